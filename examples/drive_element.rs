@@ -26,9 +26,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let table = Arc::new(Table::from_json(&tables)?);
     let element = Element::new(&pair.geometry, &parameters, Some(table))?;
 
-    // The latch takes the phase of the teeth from the pose in which the model is assembled.
+    // The phase offset is that of the teeth in the pose in which the model is assembled.
     let mut inputs = element.nominal_inputs();
-    let latch = element.latch(&inputs)?;
+    let phase = element.phase_offset(&inputs)?;
     let [z1, z2] = [0, 1].map(|i| f64::from(pair.geometry.gears[i].teeth));
     let (mut angle, mut rate) = (0.0, -SPEED * z1 / z2);
     let spin = |angle: f64| *Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         inputs.gears[0].w = Vector3::z() * SPEED;
         inputs.gears[1].r = spin(angle);
         inputs.gears[1].w = Vector3::z() * rate;
-        let out = element.evaluate(&latch, &inputs)?;
+        let out = element.evaluate(&phase, &inputs)?;
         if n % 10_000 == 0 {
             let (error, force) = (1e6 * out.transmission_error, out.normal_force);
             println!(

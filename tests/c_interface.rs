@@ -1,110 +1,15 @@
-//! The C interface called from Rust, on an FMU unpacked by hand: what a Python host cannot pass.
+//! The library loaded and unloaded as a host does, and resources that were altered.
 
 #![allow(unsafe_code)] // it calls what C calls
 
-use std::ffi::{CStr, CString, c_char, c_void};
-use std::ptr;
-use std::sync::Mutex;
-
-use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::header::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
+use std::ffi::{CStr, CString, c_void};
+use std::ptr;
 
 #[path = "units/mod.rs"]
 mod units;
 use units::{GUID, resources, spur as unit, tabulated};
-
-static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-/// Takes the one string that the FMU's format "%s" has: a logger with one argument stands in for the variadic one,
-/// which Rust cannot define.
-unsafe extern "C" fn logger(
-    _environment: *mut c_void,
-    _name: *const c_char,
-    _status: fmi2Status,
-    _category: *const c_char,
-    format: *const c_char,
-    text: *const c_char,
-) {
-    // Safety: the FMU passes strings.
-    let (format, text) = unsafe { (CStr::from_ptr(format), CStr::from_ptr(text)) };
-    assert_eq!(format, c"%s");
-    LOG.lock().unwrap().push(text.to_str().unwrap().to_owned());
-}
-
-/// The instance, or what the log says last.
-fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> Result<fmi2Component, String> {
-    // Safety: on the platforms the tests run on, one variadic pointer is passed like a plain one; all pointers are valid
-    // during the call. The callbacks end with it: the FMU must have copied them.
-    let c = unsafe {
-        let callbacks = fmi2CallbackFunctions {
-            logger: std::mem::transmute::<*const (), fmi2CallbackLogger>(logger as *const ()),
-            allocateMemory: None,
-            freeMemory: None,
-            stepFinished: None,
-            componentEnvironment: ptr::null_mut(),
-        };
-        let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
-        fmi2Instantiate(c"one".as_ptr(), kind, guid, uri, &callbacks, 0, 1)
-    };
-    if c.is_null() {
-        return Err(LOG.lock().unwrap().join("\n"));
-    }
-    Ok(c)
-}
-
-#[test]
-fn what_no_instance_can_be_made_of_is_refused_with_what_would_be_right() {
-    let folder = tempfile::tempdir().unwrap();
-    let uri = resources(folder.path(), &unit());
-    let guid = CString::new(GUID).unwrap();
-    let endless = CString::new(vec![b'a'; 1 << 16]).unwrap();
-    for (guid, kind, text) in [
-        (c"{other}", fmi2CoSimulation, "the host passed GUID {other}"),
-        (&guid, 2, "model exchange (0) and co-simulation (1)"),
-        (&endless, fmi2CoSimulation, "fmuGUID does not end within"),
-    ] {
-        let said = instantiate(&uri, guid, kind).unwrap_err();
-        assert!(said.contains(text), "{said}");
-    }
-}
-
-#[test]
-fn an_instance_lives_from_instantiation_to_freeing() {
-    let folder = tempfile::tempdir().unwrap();
-    let uri = resources(folder.path(), &unit());
-    let guid = CString::new(GUID).unwrap();
-    let c = instantiate(&uri, &guid, fmi2CoSimulation).unwrap();
-    // Safety: `c` is a component; arrays are as long as passed, or wrong in a way that the FMU can see.
-    unsafe {
-        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
-        assert_eq!(fmi2EnterInitializationMode(c), fmi2OK);
-        assert_eq!(fmi2ExitInitializationMode(c), fmi2OK);
-        // All inputs and all outputs in one call each.
-        let vr = (0..48).collect::<Vec<u32>>();
-        let mut values = [0.0; 48];
-        let out = values.as_mut_ptr();
-        assert_eq!(fmi2GetReal(c, vr.as_ptr(), 48, out), fmi2OK);
-        assert_eq!(values[16], 80e-3);
-        values[5] = 1e-3; // gear1.angles[3]
-        assert_eq!(fmi2SetReal(c, vr.as_ptr(), 48, values.as_ptr()), fmi2OK);
-        assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2OK);
-        let vr = (100..131).collect::<Vec<u32>>();
-        let mut results = [0.0; 31];
-        let out = results.as_mut_ptr();
-        assert_eq!(fmi2GetReal(c, vr.as_ptr(), 31, out), fmi2OK);
-        assert_eq!(results[24..26], [1.0, 0.0], "flank and outOfRange");
-        // 1 mrad on a pitch radius of 40 mm.
-        assert!((results[15] - 40e-6).abs() < 1e-15, "{}", results[15]);
-        assert!(results[7] > 0.0, "gear 2 is pushed along +y");
-        // A length that no array can have is seen before anything is read.
-        assert_eq!(fmi2GetReal(c, vr.as_ptr(), usize::MAX, out), fmi2Error);
-        assert_eq!(fmi2Reset(c), fmi2OK);
-        assert_eq!(fmi2FreeFMUstate(c, ptr::null_mut()), fmi2OK);
-        fmi2FreeInstance(c);
-        fmi2FreeInstance(ptr::null_mut());
-    }
-}
 
 /// Loads the library in the folder of this test, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

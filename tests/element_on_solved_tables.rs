@@ -3,14 +3,16 @@
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Prescribed};
 use gearmesh::element::{
-    Element, Formulation, Inputs, InputsChange, LoadedFlank, Outputs, Parameters, StiffnessModel,
+    BODY_COLUMNS, Element, Formulation, Inputs, Jacobian, LoadedFlank, Outputs, Parameters,
+    StiffnessModel,
 };
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
+use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, FrictionRecord, LoadAxes, LoadSamples, RootStressRecord, Table, TableFile,
+    Axes, FrictionRecord, LoadAxes, LoadSpline, RootStressRecord, Table, TableFile,
 };
 use gearmesh_preprocessor::contact::{PositionRoots, contact_file};
 use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
@@ -23,10 +25,18 @@ use gearmesh_preprocessor::table::{
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 #[path = "common/solver.rs"]
 mod solver;
 use solver::coarse_solver;
+
+static GO_ON: AtomicBool = AtomicBool::new(false);
+
+const QUIET: Watch = Watch {
+    progress: &|_, _| (),
+    cancel: &GO_ON,
+};
 
 /// Both formulations.
 const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
@@ -43,8 +53,8 @@ fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
 
 /// Loads at `inputs` with the phases of the nominal pose.
 fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    element.evaluate(&latch, inputs).unwrap()
+    let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
+    element.evaluate(&phase, inputs).unwrap()
 }
 
 /// Gear `i` turned by `angle` about its own axis.
@@ -59,6 +69,16 @@ fn spun(inputs: &Inputs, i: usize, angle: f64) -> Inputs {
 fn compressed(geometry: &PairGeometry, element: &Element, s: f64, delta: f64) -> Inputs {
     let turn = s * delta / geometry.gears[0].base_radius();
     spun(&element.nominal_inputs(), 0, turn)
+}
+
+/// Axes of displacement and mesh position alone.
+fn axes(positions: usize) -> Axes {
+    Axes {
+        displacement_fraction: displacement_nodes(10, 1.6),
+        center_distance_offset: vec![0.0],
+        misalignment: vec![0.0],
+        mesh_position: mesh_positions(positions),
+    }
 }
 
 /// The paper's modified pair with a lead slope, so that the flanks differ; coarse finite elements. The element at
@@ -77,26 +97,10 @@ fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() 
     assert!(!pair.coast_mirrors_drive());
     let geometry = &pair.geometry;
     let solver = coarse_solver(&pair, ContactSettings::default());
-    let axes = Axes {
-        displacement_fraction: displacement_nodes(10, 1.6),
-        center_distance_offset: vec![0.0],
-        misalignment: vec![0.0],
-        mesh_position: mesh_positions(24),
-    };
-    let watch = Watch {
-        progress: &|_, _| (),
-        cancel: &std::sync::atomic::AtomicBool::new(false),
-    };
     let [drive, coast] = [Flank::Drive, Flank::Coast]
-        .map(|flank| sweep(&solver, flank, &axes, 200.0, &watch).unwrap());
-    let mut file = TableFile::new(
-        "palermo2013",
-        "test",
-        geometry,
-        [100.0, 200.0],
-        &drive,
-        Some(&coast),
-    );
+        .map(|flank| sweep(&solver, flank, &axes(24), 200.0, &QUIET).unwrap());
+    let torques = [100.0, 200.0];
+    let mut file = TableFile::new("p", "test", geometry, torques, &drive, Some(&coast));
     file.seal();
     let table = Arc::new(Table::from_file(file).unwrap());
     let mut levers = [Vec::new(), Vec::new()];
@@ -121,19 +125,12 @@ fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() 
                     };
                     // dW/dPMC is the part of the torque that the mesh takes as input work; statics of the
                     // solver hold the force on the line of action, so that is compared.
-                    let (mut low, mut high) = (0.0, 30e-6);
-                    for _ in 0..60 {
-                        let middle = 0.5 * (low + high);
-                        let out = loaded(middle);
+                    let out = loaded(bisection([0.0, 30e-6], 60, |delta| {
+                        let out = loaded(delta);
                         let force =
                             out.tangential_force / element.line_of_action(out.center_distance);
-                        if force * geometry.gears[0].base_radius() < torque {
-                            low = middle;
-                        } else {
-                            high = middle;
-                        }
-                    }
-                    let out = loaded(low);
+                        force * geometry.gears[0].base_radius() < torque
+                    }));
                     let source: &dyn StaticSource = &solver;
                     let mut position = source.position(flank, out.mesh_position, 0.0).unwrap();
                     let found = position.solve(Prescribed::Torque(torque), 0.0).unwrap();
@@ -173,17 +170,7 @@ impl Rubbing {
         let geometry = &pair.geometry;
         let solver = coarse_solver(&pair, ContactSettings::for_pair(&pair));
         let top = pair.operating.maximum_torque;
-        let axes = Axes {
-            displacement_fraction: displacement_nodes(10, 1.6),
-            center_distance_offset: vec![0.0],
-            misalignment: vec![0.0],
-            mesh_position: mesh_positions(32),
-        };
-        let watch = Watch {
-            progress: &|_, _| (),
-            cancel: &std::sync::atomic::AtomicBool::new(false),
-        };
-        let grid = sweep(&solver, Flank::Drive, &axes, top, &watch).unwrap();
+        let grid = sweep(&solver, Flank::Drive, &axes(32), top, &QUIET).unwrap();
         let coverage = Coverage {
             center_distance_offset: None,
             misalignment: None,
@@ -196,14 +183,15 @@ impl Rubbing {
             contact: &contact,
             coverage: &coverage,
             coast_mirrors_drive: true,
+            friction: true,
         };
-        let teeth = teeth.record(&default_teeth_axes(&coverage), 1, &watch);
+        let teeth = teeth.record(&default_teeth_axes(&coverage), 1, &QUIET);
         let axes = default_sliding_axes(&coverage, geometry.gears[0].base_radius());
         let mut table = TableFile::new("c", "test", geometry, [0.5 * top, top], &grid, None);
         table.teeth = Some(teeth.unwrap());
         table.friction = Some(FrictionRecord {
             law: pair.friction,
-            drive: sweep_sliding(&solver, Flank::Drive, &axes, &watch).unwrap(),
+            drive: sweep_sliding(&solver, Flank::Drive, &axes, &QUIET).unwrap(),
             coast: None,
             axes,
         });
@@ -280,19 +268,13 @@ fn a_real_pair_loses_what_its_line_loads_lose_at_every_level() {
             let [element, free] = [true, false].map(|friction| real.element(level, friction));
             let (mut found, mut listed, mut shares) = (vec![], vec![], vec![]);
             for i in 0..40 {
-                let inputs = real.turning(&element, (f64::from(i) + 0.25) / 40.0, spin);
+                let cycles = (f64::from(i) + 0.25) / 40.0;
+                let inputs = real.turning(&element, cycles, spin);
                 let [out, bare] = [&element, &free].map(|element| at(element, &inputs));
-                let back = at(
-                    &element,
-                    &real.turning(&element, (f64::from(i) + 0.25) / 40.0, -spin),
-                );
+                let back = at(&element, &real.turning(&element, cycles, -spin));
                 assert_relative_eq!(out.friction_power, back.friction_power, max_relative = 1e-6);
-                let power = |out: &Outputs| {
-                    (0..2)
-                        .map(|i| out.moment[i].dot(&inputs.gears[i].w))
-                        .sum::<f64>()
-                };
-                let work = power(&out) - power(&bare);
+                let added = |i: usize| (out.moment[i] - bare.moment[i]).dot(&inputs.gears[i].w);
+                let work = added(0) + added(1);
                 assert!(out.friction_power < 0.0);
                 assert_relative_eq!(work, out.friction_power, max_relative = 1e-6);
                 let force = out.tangential_force / element.line_of_action(out.center_distance);
@@ -307,23 +289,10 @@ fn a_real_pair_loses_what_its_line_loads_lose_at_every_level() {
                 listed.push(mu * lost * torque * spin);
                 shares.push(friction_share(&out, &bare));
             }
-            let largest = found
-                .iter()
-                .zip(&listed)
-                .map(|(f, l)| (f - l).abs() / mean(&listed));
-            let largest = largest.fold(0.0, f64::max);
-            println!(
-                "{name} {level:?} loss {} {largest}",
-                mean(&found) / mean(&listed) - 1.0
-            );
-            // Tooth pairs one by one know the resultant of each pair, and guess how it spreads along a helical contact line.
-            let [on_mean, anywhere, on_loads] = match (level, name) {
-                (StiffnessModel::Teeth, "helical") => [0.04, 0.13, 0.17],
-                (StiffnessModel::Teeth, _) => [0.015, 0.08, 0.04],
-                _ => [5e-3, 0.05, 0.04],
-            };
-            assert_relative_eq!(mean(&found), mean(&listed), max_relative = on_mean);
-            assert!(largest < anywhere, "{name} {level:?}: {largest}");
+            let off = found.iter().zip(&listed).map(|(f, l)| (f - l).abs());
+            let largest = off.fold(0.0, f64::max) / mean(&listed);
+            assert_relative_eq!(mean(&found), mean(&listed), max_relative = 5e-3);
+            assert!(largest < 0.05, "{name} {level:?}: {largest}");
             if level == StiffnessModel::Table {
                 by_table = shares;
                 continue;
@@ -334,8 +303,7 @@ fn a_real_pair_loses_what_its_line_loads_lose_at_every_level() {
                 let off = off.map(|(a, b)| (a[part] - b[part]).powi(2)).sum::<f64>();
                 let rms = (off / size).sqrt();
                 // Tables round off the steps where tooth pairs come, go and pass the pitch point.
-                println!("{name} {level:?} {part}: {rms}");
-                assert!(rms < on_loads, "{name} {level:?} {part}: {rms}");
+                assert!(rms < 0.04, "{name} {level:?} {part}: {rms}");
             }
         }
     }
@@ -384,17 +352,15 @@ fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
     );
     for level in [StiffnessModel::Teeth, StiffnessModel::Contact] {
         let element = real.element(level, true);
-        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
         for cycles in [0.13, 0.62] {
             let inputs = real.turning(&element, cycles, 30.0);
-            let mut change = InputsChange::default();
-            change.gears[1].rotation = Vector3::z();
-            let slopes = element
-                .directional_derivative(&latch, &inputs, &change)
-                .unwrap();
+            let mut jacobian = Jacobian::zeros();
+            element.jacobian(&phase, &inputs, &mut jacobian).unwrap();
+            let slopes = jacobian.column(BODY_COLUMNS + 5); // gear 2 about z
             let step = 1e-8;
             let [up, down] = [step, -step].map(|step| {
-                let out = element.evaluate(&latch, &spun(&inputs, 1, step)).unwrap();
+                let out = element.evaluate(&phase, &spun(&inputs, 1, step)).unwrap();
                 out.to_array()
             });
             // Forces, moments and power of friction.
@@ -423,10 +389,6 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let elastic = Settings::for_pair(&pair);
     let models = pair_root_stress(geometry, Flank::Drive, &elastic, None, &|_, _, _| true);
     let models = models.unwrap().map(|(model, _)| model);
-    let watch = Watch {
-        progress: &|_, _| (),
-        cancel: &std::sync::atomic::AtomicBool::new(false),
-    };
     let coverage = Coverage {
         center_distance_offset: Some([-50e-6, 50e-6]),
         misalignment: Some([-1e-3, 1e-3]),
@@ -439,7 +401,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         misalignment: vec![-1e-3, -0.4e-3, 0.0, 0.4e-3, 1e-3],
         mesh_position: mesh_positions(12),
     };
-    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &watch).unwrap();
+    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &QUIET).unwrap();
     let roots = RootStressSweep {
         solver: &solver,
         models: &models,
@@ -452,9 +414,9 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         mesh_position: mesh_positions(32),
         ..every
     };
-    let drive = roots.samples(&axes, &watch).unwrap();
-    let stress = drive.spline(&axes, [true; 2]).unwrap();
-    let error = roots.measure(&coverage, &stress, 200, &watch).unwrap();
+    let drive = roots.samples(&axes, &QUIET).unwrap();
+    let stress = LoadSpline::new(&axes, &drive, [true; 2]).unwrap();
+    let error = roots.measure(&coverage, &stress, 200, &QUIET).unwrap();
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
     file.root_stress = Some(RootStressRecord {

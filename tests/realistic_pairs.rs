@@ -79,16 +79,12 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
     let pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
     let g = &pair.geometry;
     let pressure = between(k, 12, 0.3e9, 2.5e9);
-    let curvature: f64 = (0..2)
-        .map(|i| g.gears[i].kappa() / g.roll_at(i, g.center_distance, 0.0))
-        .sum();
+    let curvature = |i: usize| g.gears[i].kappa() / g.roll_at(i, g.center_distance, 0.0);
     let cos = g.base_helix_angle().cos();
-    let softness: f64 = g
-        .gears
-        .iter()
-        .map(|gear| (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus)
-        .sum();
-    let line_load = std::f64::consts::PI * pressure.powi(2) * softness / (curvature * cos);
+    let softness = |i: usize| (1.0 - g.gears[i].poisson_ratio.powi(2)) / g.gears[i].youngs_modulus;
+    let sum = |of_gear: &dyn Fn(usize) -> f64| of_gear(0) + of_gear(1);
+    let line_load =
+        std::f64::consts::PI * pressure.powi(2) * sum(&softness) / (sum(&curvature) * cos);
     let force = line_load * g.face_overlap().1;
     let torque = force * g.gears[0].base_radius();
     file["operating"]["nominal_torque_nm"] = torque.into();
@@ -96,6 +92,13 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
     file["tip_corner_contact"] = (k % 3 != 1).into();
     let pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
     Ok((pair, between(k, 13, -2e-3, 2e-3)))
+}
+
+fn solver(pair: &Pair, cache: Option<&ModelCache>, contact: ContactSettings) -> ContactSolver {
+    let settings = Settings::for_pair(pair);
+    let models = PairCompliance::new(&pair.geometry, &settings, cache, &|_, _, _| true);
+    let [first, second] = models.unwrap().gears;
+    ContactSolver::new(pair, [first, second], contact).unwrap()
 }
 
 #[test]
@@ -114,13 +117,9 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
         }
         for v in 0..VARIANTS {
             let (pair, misalignment) = variant(n, v).unwrap();
-            let settings = Settings::for_pair(&pair);
-            let models =
-                PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true);
-            let [first, second] = models.unwrap().gears;
             let mut contact = ContactSettings::for_pair(&pair);
             contact.stations = [contact.stations, 20, 40, 80, contact.stations][v];
-            let solver = ContactSolver::new(&pair, [first, second], contact).unwrap();
+            let solver = solver(&pair, Some(&cache), contact);
             for tau in [draw(n, 14), draw(n, 15), 0.5] {
                 let result = solver.position(Flank::Drive, tau, 0.0).and_then(|p| {
                     p.solve_torque(pair.operating.maximum_torque, misalignment, None)
@@ -173,11 +172,7 @@ fn the_smallest_pair_bears_its_largest_load_at_the_ends_of_what_its_fields_allow
         file["compliance"] = json!({ "refinement": "coarse" });
         change(&mut file);
         let pair = pair::from_json(&file.to_string()).unwrap();
-        let settings = Settings::for_pair(&pair);
-        let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true);
-        let [first, second] = models.unwrap().gears;
-        let contact = ContactSettings::for_pair(&pair);
-        let solver = ContactSolver::new(&pair, [first, second], contact).unwrap();
+        let solver = solver(&pair, None, ContactSettings::for_pair(&pair));
         let operating = &pair.operating;
         for position in [0.1, 0.35, 0.6, 0.85] {
             for offset in operating.center_distance_offset {

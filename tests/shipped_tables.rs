@@ -2,29 +2,31 @@
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{Coverage, Watch, measure};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 const PAIRS: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
 
-fn resource(folder: &str, name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("resources")
-        .join(folder)
-        .join(format!("{name}.json"))
+/// Reading verifies the checksum.
+fn tables(name: &str) -> TableFile {
+    let resources = concat!(env!("CARGO_MANIFEST_DIR"), "/resources");
+    TableFile::read(format!("{resources}/tables/{name}.json")).unwrap()
+}
+
+fn pair(name: &str) -> Pair {
+    let resources = concat!(env!("CARGO_MANIFEST_DIR"), "/resources");
+    pair::read(format!("{resources}/pairs/{name}.json")).unwrap()
 }
 
 #[test]
 fn each_has_its_pairs_geometry_and_range_and_the_error_that_was_asked_for() {
     for name in PAIRS {
-        // Reading verifies the checksum.
-        let file = TableFile::read(resource("tables", name)).unwrap();
-        let pair = pair::read(resource("pairs", name)).unwrap();
+        let (file, pair) = (tables(name), pair(name));
         assert_eq!(file.name, pair.name);
         assert_eq!(file.geometry, pair.geometry, "{name}");
         assert_eq!(file.maximum_torque_nm, pair.operating.maximum_torque);
@@ -51,7 +53,7 @@ fn each_has_its_pairs_geometry_and_range_and_the_error_that_was_asked_for() {
 #[test]
 fn no_solve_of_theirs_came_near_a_limit_of_iterations() {
     for name in PAIRS {
-        let file = TableFile::read(resource("tables", name)).unwrap();
+        let file = tables(name);
         let setting = |key: &str| file.solver[key].as_f64().unwrap();
         assert_eq!(file.solver["elastic_model"], "finite elements, normal");
         let nodes = file.drive.loa_force.len() as f64;
@@ -67,7 +69,7 @@ fn no_solve_of_theirs_came_near_a_limit_of_iterations() {
 #[test]
 fn force_never_falls_over_the_displacement() {
     for name in PAIRS {
-        let table = Table::read(resource("tables", name)).unwrap();
+        let table = Table::from_file(tables(name)).unwrap();
         let axes = &table.file().axes;
         let top = table.file().drive_grid().top_force();
         let (c, m) = (&axes.center_distance_offset, &axes.misalignment);
@@ -99,8 +101,7 @@ fn force_never_falls_over_the_displacement() {
 #[test]
 fn each_agrees_with_fresh_solutions_within_its_stated_error() {
     for name in PAIRS {
-        let pair = pair::read(resource("pairs", name)).unwrap();
-        let file = TableFile::read(resource("tables", name)).unwrap();
+        let (file, pair) = (tables(name), pair(name));
         let settings = Settings::for_pair(&pair);
         let compliance =
             PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true).unwrap();

@@ -4,7 +4,8 @@
 mod spring;
 
 use gearmesh::element::{
-    Element, Formulation, Inputs, InputsChange, Jacobian, LoadedFlank, Parameters, StiffnessModel,
+    BODY_COLUMNS, Direction, Element, Formulation, Inputs, Jacobian, LoadedFlank, Parameters,
+    StiffnessModel,
 };
 use gearmesh::random::Random;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
@@ -153,28 +154,35 @@ fn element(parameters: &Parameters, ask: Ask) -> Run {
     );
     let table = Arc::new(Table::from_file(file).expect("a legal table"));
     let element = Element::new(&pair.geometry, parameters, Some(table)).expect("legal parameters");
-    let latch = element.latch(&element.nominal_inputs()).expect("a mesh");
+    let phase = element
+        .phase_offset(&element.nominal_inputs())
+        .expect("a mesh");
     let poses = poses(&element);
     let loaded = poses
         .iter()
-        .filter(|x| element.evaluate(&latch, x).is_ok_and(|y| y.flank != 0))
+        .filter(|x| element.evaluate(&phase, x).is_ok_and(|y| y.flank != 0))
         .count();
     assert!(10 * loaded > 9 * POINTS, "only {loaded} poses in contact");
-    let mut direction = InputsChange::default();
-    direction.gears[0].rotation = Vector3::z();
-    direction.gears[1].p = Vector3::new(1e-2, 2e-2, 3e-2);
+    // Gear 1 turns, gear 2 moves.
+    let mut direction = Direction::zeros();
+    direction[5] = 1.0;
+    direction
+        .fixed_rows_mut::<3>(BODY_COLUMNS)
+        .copy_from_slice(&[1e-2, 2e-2, 3e-2]);
     let mut jacobian = Jacobian::zeros();
     Box::new(move |i| {
         let x = black_box(&poses[i % POINTS]);
         match ask {
             Ask::Wrench => {
-                let _ = black_box(element.evaluate(&latch, x));
+                let _ = black_box(element.evaluate(&phase, x));
             }
             Ask::DirectionalDerivative => {
-                let _ = black_box(element.directional_derivative(&latch, x, &direction));
+                let _ = element.jacobian(&phase, x, &mut jacobian);
+                let slopes: &Jacobian = &jacobian; // a product with the matrix itself would copy it
+                black_box(slopes * direction);
             }
             Ask::Jacobian => {
-                let _ = black_box(element.jacobian(&latch, x, &mut jacobian));
+                let _ = black_box(element.jacobian(&phase, x, &mut jacobian));
             }
         }
     })

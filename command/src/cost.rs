@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gearmesh::element::{Element, Inputs, Latch, Parameters, PhaseReference, Workspace};
+use gearmesh::element::{Element, Inputs, Parameters, PhaseOffset, PhaseReference, Workspace};
 use gearmesh::fmi::resources::{self, Resources};
 use gearmesh_preprocessor::package;
 use gearmesh_preprocessor::storage::uninterrupted;
@@ -19,7 +19,7 @@ const ROUND: Duration = Duration::from_millis(1);
 /// Positions over one mesh cycle, so that an evaluation meets another cell than the last one.
 const POSITIONS: usize = 64;
 
-/// Time of one evaluation of the unit at `path`, whose GUID is `guid`, with its start values and under its nominal torque, s;
+/// Time of one evaluation of the FMU at `path`, whose GUID is `guid`, with its start values and under its nominal torque, s;
 /// `None` if no pose bears that torque.
 ///
 /// # Errors
@@ -36,8 +36,8 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
         ..resources.starts.settings.element
     };
     let element = resources.element(&parameters).map_err(|e| e.to_string())?;
-    let latch = element.latch(&element.nominal_inputs())?;
-    let Some(spin) = loaded(&element, &latch, &parameters) else {
+    let phase = element.phase_offset(&element.nominal_inputs())?;
+    let Some(spin) = loaded(&element, &phase, &parameters) else {
         return Ok(None);
     };
     let poses = poses(&element, &resources, spin);
@@ -47,7 +47,7 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
         let begin = Instant::now();
         for inputs in next.by_ref().take(count) {
             // Poses around one that was evaluated.
-            let _ = black_box(element.evaluate_from(&latch, black_box(inputs), &mut workspace));
+            let _ = black_box(element.evaluate_from(&phase, black_box(inputs), &mut workspace));
         }
         begin.elapsed()
     };
@@ -60,9 +60,9 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
 }
 
 /// Spin of gear 1 (rad) from the nominal pose that makes it bear the nominal torque.
-fn loaded(element: &Element, latch: &Latch, parameters: &Parameters) -> Option<f64> {
+fn loaded(element: &Element, phase: &PhaseOffset, parameters: &Parameters) -> Option<f64> {
     let bears = |spin: f64| {
-        let outputs = element.evaluate(latch, &turned(element, [spin, 0.0]));
+        let outputs = element.evaluate(phase, &turned(element, [spin, 0.0]));
         let moment = outputs.ok()?.moment[0].z;
         (moment.abs() >= parameters.nominal_torque).then_some(spin)
     };

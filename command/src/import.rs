@@ -40,9 +40,9 @@ impl Import {
             let named = |error: String| format!("{}: {error}", path.display());
             let imported = import_csv(&output::read_text(path)?, &pair.geometry);
             let imported = imported.map_err(|error| named(error.to_string()))?;
-            let doubts = imported.doubts(&pair.geometry, pair.operating.nominal_torque);
-            for doubt in doubts.map_err(|error| named(error.to_string()))? {
-                eprintln!("gearmesh: note: {}", named(doubt.to_string()));
+            let doubt = imported.doubt(&pair.geometry, pair.operating.nominal_torque);
+            if let Some(doubt) = doubt.map_err(|error| named(error.to_string()))? {
+                eprintln!("gearmesh: note: {}", named(doubt));
             }
             Ok(imported)
         };

@@ -80,7 +80,7 @@ pub fn is_tables(text: &str) -> bool {
 }
 
 fn table_file(file: &TableFile) -> Result<String, Error> {
-    // Tables that no unit could use are no tables.
+    // Tables that no FMU could use are no tables.
     Table::from_file(file.clone())?;
     let mut rows = Listing::default();
     for (name, value) in file.summary() {
@@ -138,12 +138,12 @@ pub fn run_time_error(error: Option<&InterpolationError>) -> String {
         Some(error) => {
             format!("{error}; against static contact on more stations, all teeth alike")
         }
-        None => "not measured; build the unit again".to_owned(),
+        None => "not measured; build the FMU again".to_owned(),
     }
 }
 
 /// The level that `unit` starts with, by the name of its `stiffnessModel`, and how far its forces are from those of its static
-/// contact, as it was measured when the unit was made, that of contact at run time being `contact`.
+/// contact, as it was measured when the FMU was made, that of contact at run time being `contact`.
 fn level_error(
     unit: &UnitFile,
     tables: Option<&TableFile>,

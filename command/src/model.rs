@@ -34,7 +34,7 @@ pub struct ModelArgs {
     #[arg(long)]
     pub plane_strain: bool,
 
-    /// Stress in the tooth roots of both gears, too, in tables for the outputs of a unit's `rootStress`; its elastic model
+    /// Stress in the tooth roots of both gears, too, in tables for the outputs of an FMU's `rootStress`; its elastic model
     /// takes two to three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     pub root_stress: bool,
@@ -146,7 +146,7 @@ impl ModelArgs {
         }
     }
 
-    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was requested.
+    /// The solver whose contact an FMU solves at run time: on fewer stations than `solver`, but for a number that was requested.
     pub fn at_run_time(&self, solver: ContactSolver) -> ContactSolver {
         match self.stations {
             Some(_) => solver,

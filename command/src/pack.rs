@@ -21,21 +21,21 @@ pub struct Pack {
     /// Tables that `gearmesh tables` or `gearmesh import` wrote.
     #[arg(long, group = "source")]
     tables: Option<PathBuf>,
-    /// Pair file: the unit has constant stiffness and no tables.
+    /// Pair file: the FMU has constant stiffness and no tables.
     #[arg(long, group = "source")]
     pair: Option<PathBuf>,
     #[command(flatten)]
     unit: UnitArgs,
 }
 
-/// The unit to write.
+/// The FMU to write.
 #[derive(Debug, Args)]
 struct UnitArgs {
     /// FMU to write
     #[arg(short, long)]
     output: PathBuf,
 
-    /// Compiled library of the unit, once per platform [default: those in the folder of this program]
+    /// Compiled library of the FMU, once per platform [default: those in the folder of this program]
     #[arg(long)]
     library: Vec<PathBuf>,
 
@@ -87,7 +87,7 @@ pub struct Build {
     #[command(flatten)]
     unit: UnitArgs,
 
-    /// Also what stiffnessModel = contact needs: static contact solved at every evaluation of the unit
+    /// Also what stiffnessModel = contact needs: static contact solved at every evaluation of the FMU
     #[arg(long)]
     contact: bool,
 
@@ -104,7 +104,7 @@ impl Build {
         let libraries = libraries(&self.unit.library)?;
         let UnitArgs { output, set, .. } = &self.unit;
         let (mut grid, mut model) = (self.grid, self.model);
-        // What the unit starts with must be in its tables.
+        // What the FMU starts with must be in its tables.
         grid.friction |= set.contains(&Setting::FRICTION);
         model.root_stress |= set.contains(&Setting::ROOT_STRESS);
         grid.teeth |= set.contains(&Setting::TEETH);
@@ -118,7 +118,7 @@ impl Build {
     }
 }
 
-/// The unit that was `packed` into the file `path` and `more` about it; a last line where it runs on one platform alone.
+/// The FMU that was `packed` into the file `path` and `more` about it; a last line where it runs on one platform alone.
 fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
     let words = format!(
         "{}: {:.2} MB, GUID {}, runs on {}{more}\n",
@@ -141,7 +141,7 @@ fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
     )
 }
 
-/// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.
+/// Packs the FMU of these tables and of `contact` at run time with the start values of `settings`.
 fn pack_tables(
     tables: &TableFile,
     contact: Option<&ContactFile>,

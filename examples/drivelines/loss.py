@@ -11,13 +11,16 @@ import math
 import gearmesh
 import numpy as np
 from gearmesh import GearPair, Turning
+from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, GREEN, RED, figure as new_figure
 
 from examples.hosts.tables import show
 
+from . import driven
 from .files import OUT, PAIRS, save
 
 TORQUE = 200.0  # N m on the pinion
+INERTIA = 1.5e-3  # kg m^2, of the gear in a balance
 SPEEDS = (250.0, 500.0, 1000.0, 1500.0, 2000.0, 3000.0, 4000.0, 6000.0)  # rpm
 OIL = {"dynamic_viscosity_mpa_s": 13.28, "roughness_ra_um": [0.4, 0.31], "lubricant_factor": 0.846}
 WORDS = {"constant": "constant, 0.05", "schlenk": "Schlenk", "xu_kahraman": "Xu and Kahraman"}
@@ -39,18 +42,31 @@ def solved(name: str, law: str, relief: bool) -> gearmesh.MeshCycle:
     return gearmesh.solve(pair(name, law, relief), TORQUE, speed_rpm=SPEEDS, refinement="coarse")
 
 
+def unit(name: str, law: str, **start: float) -> GearPair:
+    """The FMU with friction, without relief, and the start values."""
+    coarse = {"refinement": "coarse", "no_center_distance": True, "no_misalignment": True, "friction": True}
+    fmu = gearmesh.build(pair(name, law, False), OUT / f"{name}-{law}.fmu", set={"friction": True}, **coarse)
+    made = GearPair(fmu, start, interface="model-exchange")
+    made.initialize()
+    return made
+
+
+def balance(damped: bool, duration: float = 0.02, step: float = 2.5e-6) -> dict[str, float]:
+    """Of a run with friction under the torque, from a gap of 0.1 mrad: what energy and loads stray, over the run."""
+    with unit("C14", "schlenk", **({} if damped else {"damping": 0.0})) as made:
+        start = made.u[made.input["gear2.angles[3]"]] - 1e-4
+        return driven.balance(Turning(made), INERTIA, -TORQUE / made.geometry.ratio, 1500.0, start, duration, step)
+
+
 def through_the_fmu(name: str, law: str, rpm: float, positions: int = 32) -> float:
     """Mean loss, W, of the FMU over a mesh cycle at the torque, without relief."""
-    coarse = {"refinement": "coarse", "no_center_distance": True, "no_misalignment": True, "friction": True}
-    fmu = gearmesh.build(pair(name, law, False), OUT / f"{name}-{law}.fmu", set={"friction": True, "damping": 0.0}, **coarse)
-    with GearPair(fmu, interface="model-exchange") as unit:
-        unit.initialize()
-        turning, geometry, speed, lost = Turning(unit), unit.geometry, rpm * math.pi / 30.0, []
-        start = unit.u[unit.input["gear2.angles[3]"]]
+    with unit(name, law, damping=0.0) as made:
+        turning, geometry, speed, lost = Turning(made), made.geometry, rpm * math.pi / 30.0, []
+        start = made.u[made.input["gear2.angles[3]"]]
         for angle in np.arange(positions) / positions * 2.0 * math.pi / geometry.teeth[0]:
             at = turning.resting(-TORQUE / geometry.ratio, angle, start + geometry.ratio * angle)
             turning(angle, speed, at, geometry.ratio * speed)
-            lost.append(-unit["mesh.frictionPower"])
+            lost.append(-made["mesh.frictionPower"])
     return float(np.mean(lost))
 
 
@@ -76,6 +92,8 @@ def main() -> None:
     for law in LAWS:
         by_fmu, by_solve = through_the_fmu("C14", law, 1500.0), float(next(row[6] for row in rows if row[:3] == ["C14", law, "no"]))
         print(f"C14, {law}, 1500 rpm: {by_fmu:.1f} W by the FMU, {by_solve:.1f} W by solve")
+    for damped in (False, True):
+        print(f"C14, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Imposed poses for one revolution of gear 1 under load, with tilt and a moving centre distance.
 
 Gear 1 turns at a constant speed. Gear 2 follows where the contact, at rest, bears the torque: the touching pose at
-the start, which latches the phases, the full torque after a sixteenth of a revolution. Meanwhile gear 2 tilts out
+the start, which sets the phase offset, the full torque after a sixteenth of a revolution. Meanwhile gear 2 tilts out
 and back and the centre distance grows and shrinks, each by a full cosine.
 """
 

@@ -37,7 +37,7 @@ pub fn check(data: &[u8]) -> bool {
     match import_csv(text, &geometry) {
         Ok(imported) => {
             // What is odd about them is said, or refused by the command.
-            let _ = imported.doubts(&geometry, 100.0);
+            let _ = imported.doubt(&geometry, 100.0);
             let torques = [0.5 * imported.maximum_torque, imported.maximum_torque];
             let file = TableFile::new(
                 "samples",

@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 use gearmesh::fmi::instance::Instance;
 use gearmesh::fmi::lifecycle::{Function, Interface};
 use gearmesh::fmi::resources::Resources;
-use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::fmi::variables::{Kind, VARIABLES, index};
 use gearmesh::sealed;
 
 use super::unit_file::{INTERFACES, outputs, unit};
@@ -49,7 +49,7 @@ fn state(interface: Interface) -> Vec<u8> {
     let inputs = [index::GEAR1_ANGLES_3, index::GEAR2_ANGULAR_VELOCITY_3];
     let references = inputs.map(|i| VARIABLES[i].value_reference);
     instance
-        .set_real(&references, &[1e-4, -0.1])
+        .set(Kind::Real, &references, &[1e-4, -0.1])
         .expect("inputs");
     if interface == Interface::CoSimulation {
         let set = instance.set_input_derivatives(&references[..1], &[1], &[0.7]);
@@ -103,7 +103,7 @@ fn go_on(mut instance: Instance, bytes: &[u8]) -> bool {
     assert_eq!(once, twice, "the state changed when it was entered");
     outputs(&mut instance);
     for _ in 0..2 {
-        if instance.admit(Function::DoStep).is_err()
+        if instance.admit(Function::fmi2DoStep).is_err()
             || instance.do_step(instance.time(), 1e-5).is_err()
         {
             break;
@@ -111,7 +111,7 @@ fn go_on(mut instance: Instance, bytes: &[u8]) -> bool {
         outputs(&mut instance);
     }
     // Nothing of it stays after a reset.
-    if instance.admit(Function::Reset).is_ok() {
+    if instance.admit(Function::fmi2Reset).is_ok() {
         instance.reset();
         instance.exit_initialization().expect("the start pose");
         outputs(&mut instance);

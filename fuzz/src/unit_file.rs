@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gearmesh::fmi::instance::Instance;
 use gearmesh::fmi::lifecycle::{Function, Interface};
 use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile, parse_unit};
-use gearmesh::fmi::variables::{FIRST_PARAMETER, INPUTS, VARIABLES, index};
+use gearmesh::fmi::variables::{FIRST_PARAMETER, INPUTS, Kind, VARIABLES, index};
 use gearmesh::gear::PairGeometry;
 
 use super::{Target, accepted, change};
@@ -63,11 +63,11 @@ pub fn run(resources: &Arc<Resources>) {
         for step in 0..3 {
             outputs(&mut instance);
             let angle = [2e-4 * f64::from(step)];
-            if instance.set_real(&turned, &angle).is_err() {
+            if instance.set(Kind::Real, &turned, &angle).is_err() {
                 break;
             }
             outputs(&mut instance);
-            if instance.admit(Function::DoStep).is_ok()
+            if instance.admit(Function::fmi2DoStep).is_ok()
                 && instance.do_step(instance.time(), 1e-5).is_err()
             {
                 break;
@@ -78,12 +78,12 @@ pub fn run(resources: &Arc<Resources>) {
 
 /// Every output is a number, or refused.
 pub fn outputs(instance: &mut Instance) {
-    if instance.admit(Function::GetReal).is_err() {
+    if instance.admit(Function::fmi2GetReal).is_err() {
         return;
     }
     for variable in &VARIABLES[INPUTS..FIRST_PARAMETER] {
         let finite = |value: f64| assert!(value.is_finite(), "{} = {value}", variable.name);
-        if let Err(refusal) = instance.get_real(&[variable.value_reference], finite) {
+        if let Err(refusal) = instance.get(Kind::Real, &[variable.value_reference], finite) {
             assert!(!refusal.message.is_empty());
         }
     }

@@ -144,7 +144,7 @@ class Turning:
         return start + low
 
     def __call__(self, *motion: float) -> tuple[float, float]:
-        """Places the gears and evaluates the unit, or steps it: moments on gear 1 and 2."""
+        """Places the gears and evaluates the FMU, or steps it: moments on gear 1 and 2."""
         self.place(*motion)
         if self.step:
             self.pair.step(self.step)
@@ -233,7 +233,7 @@ def cosimulate(
     pair
         An initialised co-simulation instance; its time goes on.
     place
-        Writes the inputs of the unit from time, s, and state of the bodies.
+        Writes the inputs of the FMU from time, s, and state of the bodies.
     advance
         State of the bodies one step later, under the loads that `pair.y` has during the call, constant over the step.
     state, step, count
@@ -244,7 +244,7 @@ def cosimulate(
     Yields
     ------
     time, state
-        At the start of each step, from 0 on, after the unit has stepped.
+        At the start of each step, from 0 on, after the FMU has stepped.
     """
     late = pair.parameters["coupling"] == "parallel" if late is None else late
     start, before = pair.time, None
@@ -284,7 +284,7 @@ def run_up(
     inertias
         Of both discs with all that turns with them, kg m^2; `math.inf` for one that turns as imposed.
     damping
-        Damping ratio of both discs on the mean mesh stiffness, such as 0.03; sets the unit's `damping`.
+        Damping ratio of both discs on the mean mesh stiffness, such as 0.03; sets the FMU's `damping`.
     torque
         Mean torque on gear 1, N m, > 0 on the drive flank.
     speeds
@@ -295,7 +295,7 @@ def run_up(
         Communication step; by default 0.07 rad of the natural frequency, or a twentieth of the shortest mesh cycle: where teeth part, the end of the upper
         branch is within a percent then.
     parameters
-        Of the unit, beside those.
+        Of the FMU, beside those.
 
     Returns
     -------
@@ -304,7 +304,7 @@ def run_up(
     Raises
     ------
     GearmeshError
-        An argument is out of range, or the unit refused a pose.
+        An argument is out of range, or the FMU refused a pose.
     """
     low, high = speeds
     if not 0.0 <= low < high:

@@ -10,4 +10,4 @@ class CommandError(GearmeshError):
 
 
 class GearPairError(GearmeshError):
-    """A call was refused; the text says why, from the unit's log where the unit refused it."""
+    """A call was refused; the text says why, from the FMU's log where the FMU refused it."""

@@ -1,7 +1,7 @@
 """The unit in exudyn: one object over the nodes of both gear bodies.
 
 A multibody program asks for forces at every stage of its integrator, with states that it may reject later. Model
-Exchange allows that. In co-simulation the unit steps between the steps of the integrator, which holds its loads over each.
+Exchange allows that. In co-simulation the FMU steps between the steps of the integrator, which holds its loads over each.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .poses import generalised, place
 def attach(mbs: Any, pair: GearPair, nodes: Sequence[Any], positions: Sequence[Sequence[float]]) -> int:
     """Adds the forces of a unit between two nodes.
 
-    exudyn's Tait-Bryan angles are the unit's Cardan angles x-y-z, so coordinates and inputs differ by the nodes' reference
+    exudyn's Tait-Bryan angles are the FMU's Cardan angles x-y-z, so coordinates and inputs differ by the nodes' reference
     positions alone.
 
     Parameters
@@ -55,7 +55,7 @@ def attach_stepped(
     Returns
     -------
     function
-        Of coordinates (12,) and rates of both nodes and a step, s, to be called before the integrator makes that step: the unit
+        Of coordinates (12,) and rates of both nodes and a step, s, to be called before the integrator makes that step: the FMU
         steps. Its loads act in the same step or, with `coupling` = parallel, in the next one, as if all had stepped at once.
     """
     reference = [tuple(map(float, position)) for position in positions]

@@ -41,7 +41,7 @@ class Geometry:
 
     @classmethod
     def of_unit(cls, geometry: Mapping[str, Any]) -> Geometry:
-        """From the object `geometry` of the unit's resources/unit.json."""
+        """From the object `geometry` of the FMU's resources/unit.json."""
         distance = geometry["center_distance"]
         # FMUs of earlier versions have the names without units.
         gears = [{name.removesuffix("_m").removesuffix("_rad"): value for name, value in gear.items()} for gear in geometry["gears"]]

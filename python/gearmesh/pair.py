@@ -39,9 +39,9 @@ class GearPair:
     costs tens of microseconds; here a step costs three calls into the library, about 2 us beyond the element.
 
     Co-simulation advances by `step`. Model Exchange, for solvers that want the force at every stage, evaluates at any
-    time and in any order by `evaluate`; the unit has no states of its own.
+    time and in any order by `evaluate`; the FMU has no states of its own.
 
-    What the unit warns of goes to Python's logger "gearmesh".
+    What the FMU warns of goes to Python's logger "gearmesh".
 
     An instance cannot be copied; make a second one of the same file, which shares the unpacked files. It ends with
     `close`, with the `with` block, or when nothing refers to it any more. After that `u` and `y` keep their last
@@ -151,10 +151,10 @@ class GearPair:
         """Sets a parameter by name, in SI units: a number, True or False, an enumeration by the name of its item or its number.
 
         Before `initialize` any parameter; later only `damping`. Raises GearPairError for a value of another kind and for
-        what the unit refuses.
+        what the FMU refuses.
         """
         if name not in self._parameters:
-            raise GearPairError(f"the unit has no parameter {name!r}")
+            raise GearPairError(f"the FMU has no parameter {name!r}")
         variable = self._variables[name]
         plain = value.item() if hasattr(value, "item") else value  # of NumPy's scalars
         items = _items(variable)
@@ -167,7 +167,7 @@ class GearPair:
         self._parameters[name] = items.get(code, code)
 
     def initialize(self, start_time: float = 0.0) -> None:
-        """Takes the pose in `u` as the start at `start_time`, s, latches the phase there and fills `y`."""
+        """Takes the pose in `u` as the start at `start_time`, s, takes the phase offset there and fills `y`."""
         self.time, none = start_time, ctypes.c_double(0.0)
         self._call("fmi2SetupExperiment", 0, none, ctypes.c_double(start_time), 0, none)
         self._call("fmi2EnterInitializationMode")

@@ -1,4 +1,4 @@
-"""From coordinates with Cardan angles x-y-z (spin last) to the unit's inputs, and back from its loads."""
+"""From coordinates with Cardan angles x-y-z (spin last) to the FMU's inputs, and back from its loads."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def place(pair: GearPair, q: Sequence[float], q_t: Sequence[float], reference: S
 
 
 def generalised(y: Sequence[float], q: Sequence[float]) -> Array:
-    """Forces on these coordinates from the unit's loads: moments about the axes of the Cardan rates.
+    """Forces on these coordinates from the FMU's loads: moments about the axes of the Cardan rates.
 
     Parameters
     ----------

@@ -95,7 +95,6 @@ pub struct ContactLines<'a> {
 }
 
 impl<'a> ContactLines<'a> {
-    /// Those of `flank` in `section`, all teeth alike.
     pub fn new(setup: &'a ContactSetup, section: &'a TransverseSection, flank: Flank) -> Self {
         ContactLines {
             setup,
@@ -106,18 +105,15 @@ impl<'a> ContactLines<'a> {
     }
 }
 
-/// Pieces shorter than this fraction of a station are left out where a path end cuts it: what they could
-/// carry is below the rounding of the load.
+/// Pieces shorter than this part of a station are left out where a path end cuts it.
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
-    /// All candidates at the mesh position `tau` tooth pair by tooth pair, ascending in z.
     pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
         let pairs = self.pairs(tau, 0.0);
         pairs.flat_map(|k| self.of_pair(tau, k)).collect()
     }
 
-    /// Those of tooth pair `k` alone.
     pub fn of_pair(&self, tau: f64, k: i32) -> impl Iterator<Item = Candidate> {
         (0..self.setup.settings.stations).filter_map(move |station| {
             self.segment(
@@ -147,7 +143,6 @@ impl ContactLines<'_> {
         [a.min(b), a.max(b)]
     }
 
-    /// Ends of a station, m.
     pub(super) fn station(&self, station: usize) -> [f64; 2] {
         let [low, width] = self.section.numbers().face;
         let step = width / self.setup.settings.stations as f64;
@@ -203,17 +198,14 @@ impl ContactLines<'_> {
         }
         let slope = xi[1] - xi[0];
         if slope.abs() <= 1e-12 * (last - first) {
-            // A spur pair: the whole segment or nothing.
             let middle = 0.5 * (xi[0] + xi[1]);
             return (first <= middle && middle <= last).then_some(z);
         }
-        // Fractions of the segment at which its line crosses the limits.
         let [a, b] = [first, last].map(|limit| (limit - xi[0]) / slope);
         let (a, b) = (a.min(b).max(0.0), a.max(b).min(1.0));
         (a < b).then(|| [a, b].map(|part| z[0] + part * (z[1] - z[0])))
     }
 
-    /// Modifications of both flanks of tooth pair `k`.
     fn microgeometry(&self, k: i32) -> [&Microgeometry; 2] {
         [0, 1].map(|i| {
             let own = (self.teeth).and_then(|(passing, counts)| passing.own_flank(i, counts, k));
@@ -243,7 +235,6 @@ impl ContactLines<'_> {
         let middle = self
             .flanks(tau, k, 0.5 * (z[0] + z[1]), clamped)
             .closest_point();
-        // The same section and profile all along the face.
         let is_even = numbers.tan_beta_b == 0.0 && !both.iter().any(|m| m.varies_along_face());
         let points = points(z);
         let gap = points.map(|z| {
@@ -292,7 +283,6 @@ impl ContactLines<'_> {
         })
     }
 
-    /// See [`crate::gear::PairGeometry::is_mirrored`].
     pub fn is_mirrored(&self, i: usize) -> bool {
         self.setup.geometry.is_mirrored(self.flank, i)
     }

@@ -18,12 +18,10 @@ use crate::gear::{Microgeometry, PairGeometry, ProfilePiece};
 /// Distance beyond the end of a piece at which the next one is looked up, over the relative radius of curvature.
 const TOLERANCE: f64 = 1e-10;
 
-/// Distance over the radius of curvature on both sides of the closest point over which the second difference of a
-/// topography gives its curvature: the half-width of contact b / R = 4 p (1 - nu²) / E.
+/// Distance over the radius of curvature over which the second difference of a topography is taken: the half-width of contact.
 const TOPOGRAPHY_OVER_RADIUS: f64 = 0.02;
 
-/// Least curvature of a gap with a topography over that of the involutes. About the closest point of the flank no
-/// second difference of the gap is negative, but a hollow may fit the mate all over.
+/// Least curvature of a gap with a topography over that of the involutes: a hollow may fit the mate all over.
 pub const LEAST_CURVATURE: f64 = 0.1;
 
 /// The closest points of two flanks in one transverse section.
@@ -151,8 +149,7 @@ impl<'a> Flanks<'a> {
             let gap = self.at.separation;
             return LeastGap { gap, s: 0.0 };
         }
-        // Convex removals lie above their tangent at s = 0, a topography changes no faster than its bound: as far as both can
-        // make up for the curvature of the flanks.
+        // Convex removals lie above their tangent at s = 0, a topography changes no faster than its bound.
         let mut fall = self.at.slope.abs();
         for (i, m) in self.microgeometry.iter().enumerate() {
             let steepness = (m.topography.as_ref()).map_or(0.0, |t| t.steepness(self.z[i]));
@@ -165,7 +162,6 @@ impl<'a> Flanks<'a> {
         let gap = self.cubic(from).gap;
         let mut least = LeastGap { gap, s: from };
         while from < high {
-            // Just beyond the line where the last cubic ended.
             let at = from + TOLERANCE / self.curvature;
             let cubic = self.cubic(at);
             let Cubic {
@@ -221,7 +217,6 @@ impl<'a> Flanks<'a> {
             for relief in m.reliefs() {
                 let kink = relief.piece(relief.start_roll);
                 let at = (relief.start_roll - rolls[i]) / by_s;
-                // A search that ends at a kink ends near it.
                 let is_here = at.abs() <= 10.0 * TOLERANCE / self.curvature;
                 let start = ReliefStart {
                     at: if is_here { 0.0 } else { at },
@@ -233,10 +228,8 @@ impl<'a> Flanks<'a> {
                 number += 1;
             }
         }
-        // Only a topography can have less.
         profile.curvature = profile.curvature.max(LEAST_CURVATURE * involutes);
-        // The flanks are parallel where they come closest, but at an edge; what the search leaves over is none of it, nor
-        // is what ends at the root.
+        // The flanks are parallel where they come closest, but at a tip edge; what the search leaves over is none of it.
         let [before, behind] = profile.slopes_at_closest();
         let at_edge = TOLERANCE / self.curvature;
         if before > 0.0 && profile.edges[0] < -at_edge {

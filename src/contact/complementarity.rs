@@ -22,7 +22,6 @@ use super::error::Failure;
 use super::local_law::{LocalContact, POINTS, PointLoads};
 use crate::root::bisection;
 
-/// One frictionless contact problem.
 pub struct Problem<'a> {
     /// Bulk influence matrix, m/N, symmetric.
     pub bulk: &'a DMatrix<f64>,
@@ -35,7 +34,6 @@ pub struct Problem<'a> {
     pub arm: &'a DVector<f64>,
 }
 
-/// What is prescribed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// Transverse force on the line of action, N, > 0.
@@ -44,7 +42,6 @@ pub enum Target {
     Approach(f64),
 }
 
-/// Where the iteration starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Start<'a> {
     /// Normal force on each segment, N.
@@ -64,18 +61,14 @@ pub struct Solution {
     pub closing: DVector<f64>,
     /// Local contact at the points of each segment.
     pub loads: Vec<PointLoads>,
-    /// Newton steps.
     pub iterations: usize,
-    /// Largest violation of equilibrium or of the contact conditions: force on a segment less what its gaps
-    /// and local contact ask for under the displacement of all forces, over the largest force.
+    /// See [`super::ContactResult::kkt_residual`].
     pub kkt_residual: f64,
-    /// Indices of the segments in contact.
     pub active: Vec<usize>,
     /// Factor of D + A over the segments in contact.
     pub factor: Factor,
 }
 
-/// Cholesky factor of a matrix over segments.
 type Factor = Cholesky<f64, Dyn>;
 
 /// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
@@ -86,22 +79,17 @@ const TOLERANCE: f64 = 1e-12;
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Forces and approach, and what follows from them.
 #[derive(Debug, Clone)]
 struct Iterate {
     y: DVector<f64>,
-    /// A y.
     ay: DVector<f64>,
     delta: f64,
     x: DVector<f64>,
-    /// Local contact at x.
     loads: Vec<PointLoads>,
 }
 
-/// A Newton step.
 struct Step {
     y: DVector<f64>,
-    /// A times it.
     ay: DVector<f64>,
     delta: f64,
 }
@@ -120,8 +108,7 @@ impl Problem<'_> {
     ) -> Result<Solution, Failure> {
         let mut at = self.start(target, start, foundation);
         let mut residual = self.residual(&at);
-        // The forces balance the prescribed one after a whole step, and from there on whatever part of one is gone: where
-        // they start as they should be, rounding may leave no whole step that lessens anything.
+        // Forces balance the prescribed one after a whole step; where they start right, rounding may leave no whole step.
         let free = matches!(target, Target::Approach(_));
         let mut balanced = free;
         for iteration in 0..MAXIMUM_ITERATIONS {
@@ -156,9 +143,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Largest difference between the force of a segment and what its law gives over the largest force, beyond what rounding of
-    /// the closing makes of it: flanks that just touch close by less than their gaps are known to. Zero where no segment
-    /// carries or closes.
+    /// Largest difference between the force of a segment and what its law gives over the largest force, beyond the rounding of the
+    /// closing; zero where nothing carries or closes.
     fn residual(&self, at: &Iterate) -> f64 {
         let (mut largest, mut error) = (0.0f64, 0.0f64);
         for (i, loads) in at.loads.iter().enumerate() {
@@ -211,7 +197,6 @@ impl Problem<'_> {
         self.with_displacement(y, ay, delta)
     }
 
-    /// As [`Problem::iterate`] where A y is known.
     fn with_displacement(&self, y: DVector<f64>, ay: DVector<f64>, delta: f64) -> Iterate {
         let x = self.arm * delta - &ay;
         let points = x.iter().zip(self.local).zip(self.gap);
@@ -235,9 +220,7 @@ impl Problem<'_> {
         matrix.cholesky().ok_or(Failure::NotPositiveDefinite)
     }
 
-    /// Newton step with the `factor` of the segments in contact, `active`.
     fn newton_step(&self, target: Target, at: &Iterate, active: &[usize], factor: &Factor) -> Step {
-        // Segments out of contact give up what they still carry.
         let mut y = -&at.y;
         active.iter().for_each(|&i| y[i] = 0.0);
         let freed = self.bulk * &y;
@@ -268,7 +251,6 @@ impl Problem<'_> {
         }
     }
 
-    /// dJ/dt at `at` along `step`.
     fn slope(&self, target: Target, at: &Iterate, step: &Step) -> f64 {
         let (mut slope, mut carried) = (0.0, 0.0);
         for (i, loads) in at.loads.iter().enumerate() {
@@ -281,8 +263,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Goes along `step` and returns which fraction of it: all of it unless J rises too much at its end, where the
-    /// zero of dJ/dt is sought.
+    /// Goes along `step` as far as J does not rise too much, and returns which part of it.
     fn advance(&self, target: Target, from: Iterate, step: &Step) -> (Iterate, f64) {
         let moved = |t: f64| {
             let at = self.with_displacement(
@@ -368,7 +349,6 @@ impl Problem<'_> {
 }
 
 impl Iterate {
-    /// Segments in contact.
     fn active(&self) -> Vec<usize> {
         (0..self.loads.len())
             .filter(|&i| self.loads[i].slope() > 0.0)

@@ -1,12 +1,10 @@
 //! The elastic model of a pair condensed to what a solve at run time needs: influence matrices over the mesh cycle, and their file.
 //!
-//! The influence of segments on each other and the reference lengths of their local contact are smooth functions of
-//! mesh position and centre distance, whatever the load, and cost most of a solve. They are computed at nodes, divided
-//! between bulk and local contact as in every solve, and interpolated between them with continuous slopes. All else
-//! (where segments lie, gaps, curvatures, edges, arms) follows from the pose itself.
+//! Influence and reference lengths of segments are smooth functions of mesh position and centre distance, whatever the load, and cost
+//! most of a solve. They are computed at nodes and interpolated with continuous slopes; all else follows from the pose itself.
 //!
-//! Nodes also hold segments a little beyond the reach of contact, so that whatever can carry load is there at all four
-//! neighbours of a position. Mesh position 1 is 0 with tooth pairs counted on by one.
+//! Nodes also hold segments a little beyond the reach of contact, for all four neighbours of a position. Mesh position 1 is 0 with
+//! tooth pairs counted on by one.
 //!
 //! The file, [`sealed`]: length of the head, head (JSON), influence matrices (32-bit floats); little endian.
 
@@ -79,7 +77,6 @@ impl CondensedFlank {
         i: usize,
     ) -> Result<CondensedNode, ContactError> {
         let tau = (i % POSITIONS) as f64 / POSITIONS as f64;
-        // Two steps on either side of a position, and a little for rounding.
         let margin = 2.1 / POSITIONS as f64;
         let (names, influence) = solver.influence(flank, tau, offsets[i / POSITIONS], margin)?;
         Ok(CondensedNode { names, influence })
@@ -149,7 +146,6 @@ impl CondensedFlank {
         nodes.checked_mul(size).filter(|_| makes_sense)
     }
 
-    /// Values of one node.
     fn node_size(&self) -> usize {
         triangle(self.segments()) + 2 * self.segments()
     }
@@ -212,16 +208,13 @@ impl CondensedFlank {
         for (number, along) in (first..).zip(weights.along) {
             let turns = number.div_euclid(positions) as i32;
             let node = number.rem_euclid(positions) as usize;
-            // Number and row of each segment that the node holds.
             let rows = names.iter().map(|&name| self.row(name, turns)).enumerate();
             let held: Vec<(usize, usize)> = rows.filter_map(|(i, row)| Some((i, row?))).collect();
-            // Segments that follow each other in both.
             let runs: Vec<_> = held
                 .chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1))
                 .collect();
             for (k, across) in weights.across.into_iter().enumerate() {
                 let weight = along * across;
-                // Where there is one offset, the other two count nothing.
                 if weight == 0.0 {
                     continue;
                 }
@@ -230,7 +223,6 @@ impl CondensedFlank {
                 let (matrix, known_lengths) = values.split_at(triangle(segments));
                 Lanes::widest().run(|_| {
                     for &(i, row) in &held {
-                        // Row by row of the lower triangle, which is column by column of the upper one.
                         let row = &matrix[triangle(row)..][..=row];
                         let sums = &mut bulk.as_mut_slice()[i * n..][..=i];
                         for run in runs.iter().take_while(|run| run[0].0 <= i) {
@@ -304,7 +296,6 @@ impl CondensedFlank {
     }
 }
 
-/// Where row `i` of a lower triangle begins.
 fn triangle(i: usize) -> usize {
     i * (i + 1) / 2
 }

@@ -1,24 +1,19 @@
 //! Loads and pressures along each segment, where contact reaches a tip edge or the start of a relief.
 //!
-//! An oblique contact line runs out at a tip edge, and crosses the start of a relief, within a fraction of a segment. Contact reaches
-//! the edge only on the last few hundredths of a millimetre of flank, and a relieved flank bears little there, less than the
-//! segment does in its mean; at the start of a relief pressure is largest. So such segments are sampled at several positions, each
-//! with the law of its own gap and its own distance from the edge. Between two samples contact reaches the edge as far as the
-//! load there exceeds the least that does.
+//! An oblique contact line runs out at a tip edge, and crosses the start of a relief, within a fraction of a segment. There it bears
+//! less than the segment in its mean; at the start of a relief pressure is largest. So such segments are sampled at several
+//! positions, each with the law of its own gap and distance from the edge.
 //!
-//! Segments know one displacement of the teeth each. Bodies give way smoothly along the face, the gap does not: the penetration of a
-//! sample near an edge is what a straight line between the middles of neighbouring segments closes there, less the gap. It shares
-//! out what the segment bears. The line load at the start of a relief lies between those of neighbouring segments.
+//! Segments know one displacement of the teeth each. The penetration of a sample near an edge is what a straight line between the
+//! middles of neighbouring segments closes there, less the gap; it shares out what the segment bears.
 
 use super::candidates::{Candidate, ContactLines};
 use super::complementarity::Solution;
 use super::local_law::{LocalContact, POINTS, PointLoads};
 use super::position::{LawAt, LawsAlong, PositionProblem};
 
-/// The points of a segment, parts of its length from its middle.
 const AT_POINTS: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
 
-/// Positions at which the start of a relief is looked for.
 const AT_RELIEF: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 
 /// Halvings in the search for the position at which the contact line comes to an edge: to a micrometre of face.
@@ -36,7 +31,6 @@ pub struct EdgeLoad {
 }
 
 impl EdgeLoad {
-    /// The one of the larger line load.
     pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
         match (a, b) {
             (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
@@ -48,9 +42,7 @@ impl EdgeLoad {
 /// What a segment bears at one position.
 struct Sample<'a> {
     segment: usize,
-    /// Gear 1's frame, m.
     z: f64,
-    /// N/m.
     line_load: f64,
     law: &'a LocalContact,
 }
@@ -60,8 +52,7 @@ impl Sample<'_> {
         self.line_load > self.law.load_at_edge()
     }
 
-    /// Where contact ceases to reach the edge between here, where it does, and `other`, where it does not: z (m) and line
-    /// load (N/m) there.
+    /// z (m) and line load (N/m) where contact ceases to reach the edge between here, where it does, and `other`, where it does not.
     ///
     /// The line load is taken to be linear in between, and so is the root of the least one that reaches the edge, as the
     /// distance from it is.
@@ -72,7 +63,6 @@ impl Sample<'_> {
         let half = least[0] * farther - 0.5 * rise;
         let over = (self.line_load - least[0] * least[0]).max(0.0);
         let part = over / (half + (half * half + over * farther * farther).sqrt());
-        // NaN where nothing within the range of the law reaches the edge.
         let part = if part.is_nan() { 0.0 } else { part.min(1.0) };
         let z = self.z + part * (other.z - self.z);
         (z, self.line_load + part * rise)
@@ -182,7 +172,6 @@ impl PositionProblem {
         if sum > known {
             samples.iter_mut().for_each(|s| s.line_load *= known / sum);
         }
-        // Where the line comes to the edge, it bears no more than next to it.
         if let Some(number) = (0..laws.len()).find(|number| !is_point(number)) {
             let loads = neighbours(&samples, number).map(|sample| sample.line_load);
             let most = loads.fold(0.0, f64::max);
@@ -232,10 +221,8 @@ impl PositionProblem {
         (0..loads.len()).map(largest).collect()
     }
 
-    /// Mean force (N) of the loaded points of segment `i` that stay inside the flanks by the law of its middle.
+    /// Mean force (N) of the loaded points of segment `i` inside the flanks by the law of its middle: what the line bears.
     ///
-    /// Only the local law tells the points of a segment apart: where the gap changes along it, a point bears more than the line does
-    /// there. Their mean is what the line bears.
     fn force_inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
         let is_inside = |force: &f64| *force != 0.0 && !self.local[i].reaches_edge(*force);
         let inside = || loads.forces.iter().filter(|force| is_inside(force));
@@ -258,7 +245,6 @@ impl PositionProblem {
         here + slope.unwrap_or(0.0) * position * (segment.z[1] - segment.z[0])
     }
 
-    /// The segments below and above segment `i` on its contact line.
     fn neighbours(&self, i: usize) -> [Option<usize>; 2] {
         let follows = |other: &usize| {
             let other = self.candidates.get(*other);
@@ -268,7 +254,6 @@ impl PositionProblem {
     }
 }
 
-/// The items before and behind the one of this number.
 fn neighbours<T>(items: &[T], number: usize) -> impl Iterator<Item = &T> {
     let before = number.checked_sub(1).and_then(|before| items.get(before));
     before.into_iter().chain(items.get(number + 1))
@@ -295,7 +280,6 @@ fn positions_near_edge(lines: &ContactLines<'_>, tau: f64, segment: &Candidate) 
     positions
 }
 
-/// Whether two segments follow each other on one contact line, or are one.
 fn are_neighbours(a: &Candidate, b: &Candidate) -> bool {
     a.tooth_pair == b.tooth_pair && a.station.abs_diff(b.station) <= 1
 }

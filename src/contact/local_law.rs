@@ -21,22 +21,18 @@ use std::sync::OnceLock;
 
 use super::profile::GapProfile;
 
-/// Points of a segment at which the local contact is evaluated apart, so that the edge of the contact crosses
-/// a segment in small steps: at the middles of equal parts.
+/// Points of a segment, middles of equal parts, at which local contact is evaluated apart: its edge crosses a segment in small steps.
 pub const POINTS: usize = 4;
 
-/// Half-width of contact over the reference length from which the law goes on along its tangent: dh/dw vanishes at b = 2 L, at 1.5 L a
-/// quarter of c is left. Beyond, the tangent is softer by 0.07 c w at b = 2 L, a hundredth of the deflection of a
-/// tooth pair, and keeps the problem convex.
+/// Half-width over the reference length from which the law goes on along its tangent: dh/dw vanishes at b = 2 L. The tangent keeps
+/// the problem convex; at b = 2 L it is softer by 0.07 c w, a hundredth of the deflection of a tooth pair.
 const WIDTH_OVER_REFERENCE: f64 = 1.5;
 
-/// Half-width of contact over the relative radius of curvature beyond which a load is refused: b / R = 2 p / E', E' =
-/// E / (2 (1 - nu²)) for equal materials. 0.15 is 8.5 GPa between steel flanks, twice what rolling bearings are allowed
-/// before a dent remains (ISO 76: 4 to 4.6 GPa).
+/// Half-width over the relative radius of curvature beyond which a load is refused: 8.5 GPa between steel flanks, twice what rolling
+/// bearings are allowed before a dent remains (ISO 76: 4 to 4.6 GPa).
 const LARGEST_HALF_WIDTH_OVER_RADIUS: f64 = 0.15;
 
-/// Contacts that are solved between the end of the law of Hertz and the tangent, closer together where they begin. Measured: line loads
-/// within 1e-3 of the largest, at the start of a relief within 5e-3.
+/// Contacts solved between the end of the law of Hertz and the tangent. Measured: line loads within 1e-3, at a relief within 5e-3.
 const NODES: usize = 12;
 
 /// Tip corner of one gear: how much more the tooth gives way close to its tip edge than a half-plane.
@@ -96,14 +92,12 @@ impl Corner {
     }
 }
 
-/// Elastic constants and reference length of one gear at a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalBody {
     /// (1 - nu²) / E, 1/Pa.
     pub plane_compliance: f64,
     /// Reference length L of the local contact, m.
     pub reference_length: f64,
-    /// Its tip corner.
     pub corner: Corner,
 }
 
@@ -119,7 +113,6 @@ pub struct LineLoad {
 }
 
 impl LineLoad {
-    /// By `by` (m) deeper along the tangent.
     fn beyond(self, by: f64) -> LineLoad {
         LineLoad {
             load: self.load + self.slope * by,
@@ -160,10 +153,8 @@ impl PointLoads {
 /// Force of one segment over the approach of its two flanks that the local contact takes up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocalContact {
-    /// Length of the segment along the contact line, m.
     length: f64,
     profile: GapProfile,
-    /// 1/Pa.
     c: f64,
     /// ln L, L (m) the logarithmic mean of both gears weighted with c_g.
     log_reference: f64,
@@ -175,14 +166,12 @@ pub struct LocalContact {
     log_scale: f64,
     /// Half-width from which on the law goes on along its tangent, m.
     widest: f64,
-    /// The last contact to which the law of Hertz applies.
     hertz_end: Contact,
-    /// Wider contacts, solved when they are first needed: few loads reach the wide ones. None where only the tangent follows.
+    /// Wider contacts, solved when they are first needed; None where only the tangent follows.
     wider: Option<Box<[OnceLock<Contact>; NODES]>>,
     load_at_edge: OnceLock<f64>,
 }
 
-/// Contact of one width.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Contact {
     /// Half-width and middle, m.
@@ -208,7 +197,6 @@ impl LocalContact {
         let log_reference = (each[0] * first + each[1] * second) / c;
         let corner = bodies[profile.edge_gear()].corner;
         let kappa = 2.0 * c / profile.curvature;
-        // At the edge itself contact is never inside the flank.
         let line = profile.edge_distance();
         let added = match line > 0.0 {
             true => corner.compliance(line, line),
@@ -251,7 +239,6 @@ impl LocalContact {
                 spread: 0.25 * kappa,
             };
         }
-        // Between the edges of both gears there is room for no more.
         let [low, high] = profile.edges;
         law.widest = law.widest.min(0.5 * (high - low)).max(a);
         law.wider = (a < law.widest).then(Box::default);
@@ -263,13 +250,11 @@ impl LocalContact {
         self.c * (self.log_reference + LN_2 - a.ln())
     }
 
-    /// Least dh/dw, that of the tangent, 1/Pa.
     fn tangent_compliance(&self) -> f64 {
         self.c * (2.0 / WIDTH_OVER_REFERENCE).ln()
     }
 
-    /// Half-width at which dh/dw has fallen to that of the tangent, m; `added` is what the corner adds as long as contact is narrower
-    /// than the distance `line` (m) from the edge.
+    /// Half-width at which dh/dw has fallen to that of the tangent, m; see [`Corner::compliance`] for `line` and `added`.
     fn tangent_half_width(&self, line: f64, added: f64) -> f64 {
         let widest = WIDTH_OVER_REFERENCE * (self.log_reference + added / self.c).exp();
         if widest <= line || self.corner.softness == 0.0 {
@@ -281,7 +266,6 @@ impl LocalContact {
         (sum / (self.c + softness)).exp()
     }
 
-    /// Contact number `i`, 0 the last one of Hertz, from those before it.
     fn contact(&self, i: usize) -> &Contact {
         match (i, &self.wider) {
             (1.., Some(wider)) => wider[i - 1].get_or_init(|| self.wider_contact(i)),
@@ -303,7 +287,7 @@ impl LocalContact {
         let means = self.profile.means(middle, a);
         let load = means.by_log_width / self.c;
         let compliance = self.flat_punch(a);
-        // From where on an edge cuts contact off, its middle; before, that of the line, so that far edges play no part.
+        // Before an edge cuts contact off, its middle is that of the line: far edges play no part.
         let line = self.profile.edge_distance();
         let most = self.tangent_compliance() - compliance;
         let added = (self.corner.compliance(line, a.max(line))).max(most.min(0.0));
@@ -314,7 +298,6 @@ impl LocalContact {
         } else if before.half_width == 0.0 || before.added == added {
             before.by_corner + added * (load - before.at.load)
         } else {
-            // What is added changes with ln a, and between widths ln w does so, too.
             let rise = load - before.at.load;
             let mean_load = rise / (rise / before.at.load).ln_1p();
             before.by_corner + added * load
@@ -434,8 +417,7 @@ impl LocalContact {
         2.0 / PI * (f.max(0.0) / self.length / self.kappa).sqrt()
     }
 
-    /// Pressure, Pa, of the force `f`, N, where that is more than any flank carries
-    /// ([`LARGEST_HALF_WIDTH_OVER_RADIUS`]): [`LocalContact::pressure`], and where contact reaches a tip edge that of Hertz.
+    /// Pressure, Pa, of the force `f`, N, where no flank carries it: as [`LocalContact::pressure`], at a tip edge that of Hertz.
     pub fn overload(&self, f: f64) -> Option<f64> {
         // b / R = pi c p, with b² = kappa w and kappa = 2 c R.
         let most = LARGEST_HALF_WIDTH_OVER_RADIUS / (PI * self.c);
@@ -490,8 +472,7 @@ impl LocalContact {
         f64::INFINITY
     }
 
-    /// What this law takes up under the line load `w` (N/m) more than `other` does since the displacement of the bodies is
-    /// divided otherwise between it and the elastic model, m.
+    /// How much more this law takes up under the line load `w` (N/m) than `other`, by the division between it and the bulk, m.
     pub fn takes_up_more_than(&self, other: &LocalContact, w: f64) -> f64 {
         self.c * w * (self.log_reference - other.log_reference)
     }
@@ -506,7 +487,6 @@ impl LocalContact {
         self.profile.edge_distance() < self.widest
     }
 
-    /// Length of the segment along the contact line, m.
     pub fn length(&self) -> f64 {
         self.length
     }

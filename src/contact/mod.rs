@@ -5,7 +5,7 @@
 //! (path, tip corners)    contact lines in reach        local contact law                     (load or approach)
 //! ```
 //!
-//! [`RuntimeContact`] is the same solve in the unit: influence matrices condensed over the mesh cycle
+//! [`RuntimeContact`] is the same solve in the FMU: influence matrices condensed over the mesh cycle
 //! ([`CondensedFlank`]), all else from the pose.
 //!
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where

@@ -32,7 +32,6 @@ pub struct PositionProblem {
     limits: Limits,
 }
 
-/// Laws at positions along a segment, ascending.
 pub(super) struct LawsAlong {
     /// Near a tip edge; none where contact does not come to one.
     pub edge: Vec<LawAt>,
@@ -40,14 +39,11 @@ pub(super) struct LawsAlong {
     pub relief: Vec<LawAt>,
 }
 
-/// Law of the gap at one position of a segment.
 pub(super) struct LawAt {
-    /// Part of the segment's length from its middle.
     pub position: f64,
     pub law: LocalContact,
 }
 
-/// What holds for all loads at one position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Deviation from the nominal centre distance, m.
@@ -70,7 +66,6 @@ impl Limits {
 }
 
 impl PositionProblem {
-    /// The problem of `candidates` whose influence is known.
     pub(super) fn with(
         numbers: &PairNumbers,
         candidates: Vec<Candidate>,
@@ -120,8 +115,7 @@ impl PositionProblem {
         &self.candidates
     }
 
-    /// Gaps at the points of each segment along the normal under `misalignment`, m. At a tip edge the normal is turned by so little that
-    /// a tilt closes there, unlike an approach, as much as on the path.
+    /// Gaps at the points of each segment along the normal under `misalignment`, m; at a tip edge a tilt closes as much as on the path.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
         let left = |gap: f64, lever: f64| self.cos_beta_b * (gap - misalignment * lever);
         let segments = self.candidates.iter();
@@ -147,7 +141,6 @@ impl PositionProblem {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// `failure` at this load.
     pub(super) fn unsolved(
         &self,
         prescribed: Prescribed,
@@ -162,7 +155,7 @@ impl PositionProblem {
         ContactError::Unsolved { at, failure }
     }
 
-    /// Solves from `start` where there is one, and says what the solution exceeds of what the model is made for.
+    /// Solves from `start` if there is one, and says what the solution exceeds.
     pub(super) fn solution(
         &self,
         prescribed: Prescribed,
@@ -200,13 +193,11 @@ impl PositionProblem {
         })
     }
 
-    /// Reference lengths of gear 1 and gear 2 at segment `i`, m.
     pub(super) fn lengths(&self, i: usize) -> [f64; 2] {
         self.lengths.each_ref().map(|lengths| lengths[i])
     }
 }
 
-/// A solution as it is found.
 pub(super) struct Found {
     pub solution: Solution,
     /// Gaps at the points of each segment along the normal under the misalignment, m.

@@ -25,7 +25,6 @@ pub struct ReliefStart {
 }
 
 impl ReliefStart {
-    /// None.
     pub const NONE: ReliefStart = ReliefStart {
         at: f64::INFINITY,
         side: 1.0,
@@ -34,7 +33,6 @@ impl ReliefStart {
     };
 }
 
-/// Tip and root reliefs of both gears.
 const RELIEFS: usize = 4;
 
 /// The gap about the closest point, over that there.
@@ -62,7 +60,6 @@ pub(super) struct Means {
 }
 
 impl GapProfile {
-    /// Unmodified flanks of the curvature `curvature` (1/m) inclined by `slope`.
     pub fn parabola(slope: f64, curvature: f64, edges: [f64; 2]) -> GapProfile {
         GapProfile {
             slope,
@@ -99,7 +96,6 @@ impl GapProfile {
         profile
     }
 
-    /// Sets relief number `number`.
     pub fn add(&mut self, number: usize, relief: ReliefStart) {
         let mut other = relief;
         if relief.side * relief.at < 0.0 {
@@ -129,14 +125,12 @@ impl GapProfile {
         self.edges[1].min(-self.edges[0])
     }
 
-    /// The gear, 0 or 1, whose tip edge is nearest.
     pub fn edge_gear(&self) -> usize {
         let [of_second, of_first] = self.edges;
         usize::from(-of_second < of_first)
     }
 
-    /// Half-width of a contact that just reaches the start of a relief, m; one that reaches a tip edge before grows from
-    /// there.
+    /// Half-width of a contact that just reaches the start of a relief, m.
     pub fn relief_distance(&self) -> f64 {
         let [low, high] = self.edges;
         let to_edge = self.edge_distance();
@@ -149,14 +143,12 @@ impl GapProfile {
                 0.5 * (b.at - low)
             }
         };
-        // Beyond the tip edge there is no flank.
         let is_there =
             |b: &&ReliefStart| low < b.at && b.at < high && (b.slope, b.curvature) != (0.0, 0.0);
         let inside = self.reliefs.iter().filter(is_there);
         inside.map(half_width).fold(f64::INFINITY, f64::min)
     }
 
-    /// Mean of the slope over the contact and its derivative by `m`.
     fn tilt(&self, m: f64, a: f64) -> (f64, f64) {
         let (mut tilt, mut by_m) = (self.slope + self.curvature * m, self.curvature);
         for b in &self.reliefs {
@@ -172,12 +164,10 @@ impl GapProfile {
         (tilt, by_m)
     }
 
-    /// Middle of a contact of the half-width `a`, m: that of the least mean gap, where the mean slope is zero, or at a tip
-    /// edge. The search begins at `start`.
+    /// Middle of a contact of the half-width `a`, m: where the mean slope is zero, or at a tip edge. The search begins at `start`.
     pub(super) fn middle(&self, a: f64, start: f64) -> f64 {
         let edges = [self.edges[0] + a, self.edges[1] - a];
         let (mut low, mut high) = (edges[0].max(-a), edges[1].min(a));
-        // A contact that ends at the closest point slopes towards it.
         if edges[0] > -a && self.tilt(low, a).0 >= 0.0 {
             return low;
         }
@@ -197,7 +187,6 @@ impl GapProfile {
             let next = if inside { newton } else { 0.5 * (low + high) };
             let step = (next - m).abs();
             m = next;
-            // Quadratic: what a step of Newton's method leaves is the square of it.
             let enough = if inside { 1e-7 } else { 1e-13 };
             if step <= enough * a {
                 break;
@@ -206,8 +195,7 @@ impl GapProfile {
         m
     }
 
-    /// How far a contact of the half-width `a` is from tip edges, as a slope: zero where it just reaches one, positive
-    /// where one cuts it off.
+    /// How far a contact of the half-width `a` is from tip edges, as a slope: positive where one cuts it off.
     pub(super) fn cut(&self, a: f64) -> f64 {
         let [low, high] = self.edges;
         let before = self.tilt(low + a, a).0;
@@ -240,7 +228,6 @@ impl GapProfile {
             let second = 0.25 * theta + tau * sine * (tau * tau / 6.0 - 5.0 / 12.0);
             all.coefficients[1] += 2.0 / 3.0 * kink * cube + bend * second;
         }
-        // Zero but for a contact that ends at a tip edge.
         if m == self.edges[0] + a || m == self.edges[1] - a {
             all.by_log_width += a * self.tilt(m, a).0.abs();
         }
@@ -248,8 +235,7 @@ impl GapProfile {
     }
 }
 
-/// Position tau of the start of a relief in a contact, seen from the side away from it, its angle and sine: the relief
-/// takes part from theta = 0 to this angle; `None` where it takes no part.
+/// Position tau of the start of a relief in a contact, the angle up to which the relief takes part, and its sine.
 fn part_in_contact(b: &ReliefStart, m: f64, a: f64) -> Option<(f64, f64, f64)> {
     let tau = b.side * (b.at - m) / a;
     if tau >= 1.0 {

@@ -56,8 +56,8 @@ pub struct ContactResult {
     /// Shuttling moment F_bt (z_c - z_ref), N m: of the forces about the normal of the plane of action through the pitch point at
     /// mid-face, over cos beta_b.
     pub moment: f64,
-    /// z_c: where the resultant, along its own normal, crosses the pitch plane (y = 0), m in gear 1's frame. That is the centroid of
-    /// the load plus sigma times its y: of helical pairs it may lie beyond the face. Mid-face where nothing touches.
+    /// z_c: where the resultant crosses the pitch plane (y = 0), m in gear 1's frame; of helical pairs it may lie beyond the face.
+    /// Mid-face where nothing touches.
     pub contact_z: f64,
     /// Fraction of the load on each tooth pair in reach, ascending.
     pub load_share: Vec<(i32, f64)>,
@@ -74,8 +74,8 @@ pub struct ContactResult {
     pub tangent: Tangent,
     /// Normal force on each segment, N, in the order of [`PositionProblem::candidates`].
     pub forces: Vec<f64>,
-    /// Pressure of each segment inside the flanks, Pa, under the mean line load of its loaded part: Hertz, and where the contact
-    /// straddles the start of a relief the half-ellipse of the same line load and spread, the largest along the segment.
+    /// Pressure of each segment inside the flanks, Pa: Hertz, and at the start of a relief the half-ellipse of the same line load and
+    /// spread, the largest along the segment.
     pub pressures: Vec<f64>,
     /// Largest line load on each segment where its contact reaches a tip edge.
     pub edge_loads: Vec<Option<EdgeLoad>>,
@@ -84,7 +84,6 @@ pub struct ContactResult {
 }
 
 impl ContactResult {
-    /// Where the solve for another load starts.
     fn start(&self) -> Start<'_> {
         Start {
             forces: &self.forces,

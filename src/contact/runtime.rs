@@ -52,8 +52,7 @@ pub struct RuntimeContact {
     friction: Option<SlidingSums>,
 }
 
-/// Forces of the last solve, from which the next one starts. It saves steps of Newton's iteration and changes the solution by no
-/// more than rounding.
+/// Forces of the last solve, from which the next one starts: saves Newton steps, changes the solution by rounding alone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Warm {
     /// N, by tooth pair, counted from the start, and station; those that carry.
@@ -83,12 +82,10 @@ impl Pose {
     }
 }
 
-/// Steps of the differences by mesh position and by centre distance, m: what the energy of a segment curves over them is a
-/// millionth of its slope, and so is what rounding leaves.
+/// Steps of the differences by mesh position and by centre distance, m: curvature and rounding leave a millionth of the slope.
 const STEPS: [f64; 2] = [1e-8, 1e-10];
 
-/// Segments whose gap exceeds their closing by more than this part of the largest closing take no part: the others'
-/// forces push flanks apart nearly everywhere, and where they do not, by far less.
+/// Segments whose gap exceeds their closing by more than this part of the largest closing take no part.
 const MARGIN: f64 = 0.1;
 
 impl ContactFile {
@@ -162,7 +159,6 @@ impl RuntimeContact {
         });
         let solve = |start| problem.solution(Prescribed::Approach(approach), misalignment, start);
         let found = match solve(start) {
-            // A start that leads nowhere must not decide.
             Err(_) if start.is_some() => solve(None),
             found => found,
         }?;
@@ -224,7 +220,6 @@ impl RuntimeContact {
         ];
         let mut energy = 0.0;
         for (number, &i) in loaded.iter().enumerate() {
-            // What the forces displace the bodies by on this segment.
             let deflection = problem.arm[i] * pose.approach - solution.closing[i];
             let local = solution.loads[i].energy();
             energy += 0.5 * solution.force[i] * deflection + local;
@@ -246,10 +241,8 @@ impl RuntimeContact {
         Ok((energy, slopes))
     }
 
-    /// The segments that may carry at `pose`; none if none touches.
     fn near(&self, section: &TransverseSection, pose: Pose) -> Vec<Candidate> {
         let mut segments = self.lines(section, pose).candidates(pose.tau);
-        // How far flanks overlap, along the line of action.
         let overlap = |segment: &Candidate| {
             let closed = segment.arms[0] * pose.approach;
             let points = segment.levers.into_iter().zip(segment.gap);
@@ -261,7 +254,6 @@ impl RuntimeContact {
         segments
     }
 
-    /// The contact lines in `section`.
     fn lines<'a>(&'a self, section: &'a TransverseSection, pose: Pose) -> ContactLines<'a> {
         ContactLines {
             teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
@@ -275,8 +267,7 @@ impl RuntimeContact {
         (self.teeth.as_ref()).map_or(1.0, |teeth| teeth.compliance(shares, pose.counts, k))
     }
 
-    /// The problem of those of `candidates` that the nodes hold: far beyond their centre distances others come into reach, which
-    /// bear nothing.
+    /// The problem of those of `candidates` that the nodes hold; others, far beyond their centre distances, bear nothing.
     fn problem(&self, mut candidates: Vec<Candidate>, pose: Pose) -> PositionProblem {
         let influence = |candidates: &[Candidate]| {
             let names: Vec<SegmentName> = candidates.iter().map(Candidate::name).collect();

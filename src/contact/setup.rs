@@ -32,7 +32,6 @@ pub struct ContactSettings {
     pub reach: Option<f64>,
 }
 
-/// Of units that know of no share.
 fn all() -> f64 {
     1.0
 }
@@ -59,7 +58,6 @@ impl ContactSettings {
             Refinement::Coarse => COARSE_OVER_NORMAL,
             Refinement::Normal | Refinement::Fine => 1.0,
         };
-        // A segment shorter than its contact is wide is no line contact of its own.
         let least = elements * 2.0 * widest_contact(pair);
         let (_, face) = pair.geometry.face_overlap();
         ContactSettings {
@@ -182,9 +180,8 @@ pub fn widest_contact(pair: &Pair) -> f64 {
     (4.0 * line_load * radius * softness / std::f64::consts::PI).sqrt()
 }
 
-/// Approach that the pair's largest load and misalignment can cause, with a margin, m: twice that of a stiff
-/// tooth pair, how both bodies give way, what misalignment adds at the ends of the face and of the path, and what
-/// modifications take off at most.
+/// Approach that the pair's largest load and misalignment can cause, m: twice that of a stiff tooth pair, how bodies give way, what
+/// misalignment adds at the ends, and what modifications take off at most.
 pub(super) fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     let g = &pair.geometry;
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
@@ -200,8 +197,7 @@ pub(super) fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
         bodies += force * gear.body_compliance();
     }
     let cos_beta_b = g.base_helix_angle().cos();
-    // Force and displacement along the normal are those on the line of action over cos beta_b, the contact line
-    // is the face over it.
+    // Force and displacement along the normal are those on the line of action over cos beta_b, as the contact line is the face.
     2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
         + bodies
         + 0.5 * low.max(high) * (width + g.base_helix_angle().tan() * g.base_pitch())
@@ -244,7 +240,6 @@ impl Deflection {
     /// # Errors
     /// As [`Deflection::new`].
     pub fn bow(bow: f64, ends: [f64; 2]) -> Result<Deflection, ContactError> {
-        // 64 straight pieces are off a parabola by a four-thousandth of its height.
         const PIECES: usize = 64;
         let points = (0..=PIECES).map(|i| {
             let t = 2.0 * i as f64 / PIECES as f64 - 1.0;

@@ -24,9 +24,8 @@ const TRIALS: usize = 8;
 /// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
 const RUN_TIME_STATIONS: usize = 22;
 
-/// Part of the change of a gap along a segment that local contact takes up at run time; the bulk displacement follows the rest. Less
-/// makes force and moment more exact, more the stiffness, whose error is the steps in which segments meet
-/// (docs/theory/contact.md).
+/// Share of the change of a gap along a segment that local contact takes up at run time: less makes force and moment more
+/// exact, more the stiffness (docs/theory/contact.md).
 const OWN_SHARE_AT_RUN_TIME: f64 = 0.45;
 
 /// Static contact of one pair of gears.
@@ -100,11 +99,9 @@ impl ContactSolver {
         self
     }
 
-    /// With edges followed farther where the largest load and misalignment of `pair` bring the teeth nearer to each
-    /// other than [`estimated_reach`] says, as bodies that tilt under the axial force of a steep helix do.
+    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_reach`] says, as bodies that
+    /// tilt under the thrust of a steep helix do. What cannot be solved here is refused when it comes up.
     ///
-    /// What cannot be solved here is refused when it comes up; edges that only more teeth than the elastic models
-    /// hold could reach are not followed.
     fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
         let mut followed = self.setup.reach;
         for _ in 0..TRIALS {
@@ -155,8 +152,7 @@ impl ContactSolver {
     #[must_use]
     pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
         let [least, largest] = self.deflection_range(&deflection);
-        // Tip edges are followed by what the deflection closes, and the approach that bears the load grows by its
-        // range.
+        // The approach that bears the load grows by the range of the deflection.
         self.setup.reach += largest.max(0.0) + largest - least;
         self.deflection = deflection;
         self
@@ -166,7 +162,6 @@ impl ContactSolver {
     fn deflection_range(&self, deflection: &Deflection) -> [f64; 2] {
         let geometry = &self.setup.geometry;
         let (low, width) = geometry.face_overlap();
-        // Largest sigma y of contact on the path at the nominal centre distance.
         let ratio = geometry.transverse_contact_ratio(geometry.center_distance);
         let path = geometry.base_pitch() * ratio;
         deflection.range([low, low + width], self.numbers.tan_beta_b * path)
@@ -270,7 +265,6 @@ impl ContactSolver {
         Ok(touches.fold(f64::INFINITY, f64::min))
     }
 
-    /// The problem of `candidates`, which lie on `lines` at the mesh position `tau`.
     fn problem(
         &self,
         lines: &ContactLines<'_>,
@@ -370,7 +364,6 @@ impl ContactSolver {
         Ok(sums.map(|sum| sum / all))
     }
 
-    /// The transverse section at a centre distance offset, m.
     fn section(&self, offset: f64) -> Result<TransverseSection, ContactError> {
         self.setup.section(&self.numbers, offset)
     }

@@ -6,14 +6,12 @@ use super::local_law::Corner;
 use crate::gear::{Flank, Gear, PairGeometry};
 use crate::root::bisection;
 
-/// Halvings in the search for how far tip edges reach: to some picometres.
 const HALVINGS: usize = 30;
 
 /// The numbers of a pair that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through
 /// several angles. Index 0 is gear 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairNumbers {
-    /// Base radii, m.
     pub base_radius: [f64; 2],
     /// +1 external gear, -1 ring.
     pub kappa: [f64; 2],
@@ -21,11 +19,9 @@ pub struct PairNumbers {
     pub e: f64,
     /// abs(rb1 + e rb2), m.
     pub base_radius_sum: f64,
-    /// Transverse base pitch, m.
     pub base_pitch: f64,
     /// Tangent of the base helix angle, >= 0.
     pub tan_beta_b: f64,
-    /// Its cosine.
     pub cos_beta_b: f64,
     /// +1 right-handed helix of gear 1, -1 left-handed.
     pub hand: f64,
@@ -33,11 +29,8 @@ pub struct PairNumbers {
     pub z_ref: f64,
     /// The overlap of both faces in gear 1's frame: lower end and width, m.
     pub face: [f64; 2],
-    /// Lengths of roll at the tips, m.
     pub tip_roll: [f64; 2],
-    /// z = 0 faces in gear 1's frame, m.
     pub face_offset: [f64; 2],
-    /// (1 - nu²) / E, 1/Pa.
     pub plane_compliance: [f64; 2],
     /// How much more teeth give way at their tip edges than half-planes.
     pub corners: [Corner; 2],
@@ -52,7 +45,6 @@ impl PairNumbers {
         let plane_compliance = each(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus);
         let corners = [0, 1].map(|i| {
             let gear = &geometry.gears[i];
-            // Between the flank and the tip land, for an external gear and a ring.
             let angle = FRAC_PI_2 + (gear.tip_form_roll() / gear.base_radius()).atan();
             Corner::new(angle, plane_compliance[i], corner_resolution[i])
         });
@@ -125,13 +117,11 @@ pub struct TransverseSection {
     numbers: PairNumbers,
     sides: [Side; 2],
     tan_phi: f64,
-    /// Ends of the path of contact, m from the pitch point.
     path: [f64; 2],
     /// How far candidates go, m from the pitch point: beyond the path where tip corners count.
     reach: [f64; 2],
 }
 
-/// One gear in the transverse section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Side {
     rb: f64,
@@ -146,10 +136,8 @@ struct Side {
 }
 
 impl TransverseSection {
-    /// Section at `center_distance`. With `separation_limit` (m) tip corners are followed beyond the
-    /// path of contact until the flanks are that far apart; without it candidates end with the path.
-    /// `form_rolls` are the lengths of roll at which the involutes of both gears end at the root.
-    /// None where the centre distance leaves no path of contact.
+    /// Section at `center_distance`, m; with `separation_limit` (m) tip corners are followed beyond the path until flanks are that far
+    /// apart. `form_rolls`: lengths of roll at which the involutes end at the root. None without a path of contact.
     pub fn new(
         numbers: &PairNumbers,
         center_distance: f64,
@@ -168,7 +156,6 @@ impl TransverseSection {
         let tan_phi = numbers.tan_phi(center_distance);
         let beyond = |side: &Side| side.kappa * (side.tip_roll - side.rb * tan_phi);
         let path = [-beyond(&sides[1]), beyond(&sides[0])];
-        // NaN: base circles too far apart.
         let length = path[1] - path[0];
         if length.is_nan() || length <= 0.0 {
             return None;
@@ -196,12 +183,10 @@ impl TransverseSection {
         Some(TransverseSection { reach, ..section })
     }
 
-    /// The pair's numbers.
     pub fn numbers(&self) -> &PairNumbers {
         &self.numbers
     }
 
-    /// Limits of the candidates, m from the pitch point.
     pub fn reach(&self) -> [f64; 2] {
         self.reach
     }
@@ -284,21 +269,18 @@ impl TransverseSection {
         arms[tip] = about_tip_gear;
         TransversePoint {
             roll: rolls,
-            // Gear 2's flank has to lie ahead, gear 1's behind.
             separation: if mate == 1 { behind } else { -behind },
             slope: if tip == 0 { -inclined } else { inclined },
             arms,
         }
     }
 
-    /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and whose tip edge still faces the
-    /// mate's involute. Both rise monotonically.
+    /// Farthest conjugate position beyond the path's `end` with a separation below `limit` and a tip edge that faces the involute.
     fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
         let is_within = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
-            // NaN where there is no mate to touch.
             point.separation <= limit && mate.kappa * (mate.form_roll - point.roll[end]) <= 0.0
         };
         let longest = 0.5 * (self.path[1] - self.path[0]);

@@ -139,9 +139,7 @@ impl Constants {
     }
 
     /// Whether there is a line of action at the centre distance `c`; false: no tooth is within reach of another.
-    ///
-    /// # Errors
-    /// Base circles without a common tangent, except for an internal pair pulled apart so far that its
+    /// Errors: base circles without a common tangent, except for an internal pair pulled apart so far that its
     /// teeth have already left each other.
     #[inline(always)]
     pub(crate) fn has_line_of_action(&self, c: f64) -> Result<bool, ElementError> {

@@ -12,7 +12,7 @@ use super::dual::{Scalar, fraction, lift, whole_turns, wrap};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Map};
 use super::law::Workspace;
-use super::motion::{Inputs, Latch, Motion, Outputs};
+use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
 use super::paper::Carried;
 use super::{Element, Formulation, Parameters};
 use crate::gear::teeth::Counts;
@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 
 /// A pose as the formulation sees it.
 pub(crate) struct Pose<T> {
-    /// Coordinates; x before the latch, not wrapped.
+    /// Coordinates; x before the phase offset, not wrapped.
     pub coordinates: Coordinates<T>,
     /// Lever of M in the penetration that the law takes, m; zero but for the paper's (19).
     pub lever: T,
@@ -32,8 +32,7 @@ pub(crate) struct Pose<T> {
 }
 
 impl<T: Scalar> Pose<T> {
-    /// # Errors
-    /// Axes that do not run alike, base circles without a common tangent.
+    /// Errors: axes that do not run alike, base circles without a common tangent.
     #[inline(always)]
     pub(crate) fn new(el: &Element, inputs: &Inputs) -> Result<Self, ElementError> {
         let k = &el.constants;
@@ -60,7 +59,7 @@ impl<T: Scalar> Pose<T> {
         })
     }
 
-    /// Mesh position of flank `i` before the latch, (13).
+    /// Mesh position of flank `i` before the phase offset, (13).
     #[inline(always)]
     pub(crate) fn mesh_position(&self, k: &Constants, i: usize) -> T {
         self.coordinates.mesh_angle * (-FLANKS[i].sign() / k.pitch_angle) + k.mesh_zero[i]
@@ -69,23 +68,23 @@ impl<T: Scalar> Pose<T> {
     /// Mesh cycles that passed on gear 1 and gear 2 under flank `i`, from the pose alone: the whole part of the mesh position,
     /// which starts anew with every turn of gear 1, and on gear 2 that less the whole turns of the tooth angle, in
     /// which both gears differ.
-    pub(crate) fn counts(&self, k: &Constants, i: usize, latch: &Latch<T>) -> Counts {
+    pub(crate) fn counts(&self, k: &Constants, i: usize, phase: &PhaseOffset<T>) -> Counts {
         let s = FLANKS[i].sign();
-        let first = (self.mesh_position(k, i).re() + s * latch.mesh_position.re()).floor();
-        let angle = self.coordinates.turn.re() / k.per_tooth_angle + latch.tooth_angle.re();
+        let first = (self.mesh_position(k, i).re() + s * phase.mesh_position.re()).floor();
+        let angle = self.coordinates.turn.re() / k.per_tooth_angle + phase.tooth_angle.re();
         [first as i64, (first - s * whole_turns(angle)) as i64]
     }
 
     /// Flank `i` without load, with the part `x` (m) of its penetration that is odd in its sign.
     #[inline(always)]
-    fn unloaded(&self, k: &Constants, i: usize, x: T, latch: &Latch<T>) -> FlankLoad<T> {
+    fn unloaded(&self, k: &Constants, i: usize, x: T, phase: &PhaseOffset<T>) -> FlankLoad<T> {
         let sign = FLANKS[i].sign();
         let zero = T::from(0.0);
         FlankLoad {
             sign,
             penetration: x * sign - self.coordinates.half_gap,
             misalignment: self.misalignment(i),
-            mesh_position: fraction(self.mesh_position(k, i) + latch.mesh_position * sign),
+            mesh_position: fraction(self.mesh_position(k, i) + phase.mesh_position * sign),
             elastic: zero,
             arm: zero,
             damping: zero,
@@ -222,7 +221,7 @@ impl Damper {
 }
 
 /// Loads and diagnostics at `inputs`, and what they were made of.
-pub(crate) struct Solution<T> {
+pub(crate) struct Solution<T: Scalar> {
     pub outputs: Outputs<T>,
     /// `None`: the gears are out of reach of one another.
     pub mesh: Option<Mesh<T>>,
@@ -237,13 +236,10 @@ pub(crate) struct Mesh<T> {
 
 impl<T: Scalar> Solution<T> {
     /// At `inputs`; `stiffness_slopes` as for [`Law::respond`](super::law::Law::respond).
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
     #[inline(always)]
     pub(crate) fn new(
         el: &Element,
-        latch: &Latch<T>,
+        phase: &PhaseOffset<T>,
         inputs: &Inputs,
         stiffness_slopes: bool,
         workspace: &mut Workspace,
@@ -254,7 +250,13 @@ impl<T: Scalar> Solution<T> {
         if !pose.map.in_reach {
             let point = in_world(&inputs.gears[0], pose.map.near_pitch_point(T::from(0.0)));
             return Ok(Solution {
-                outputs: Outputs::out_of_reach(point, c, T::from(k.z_ref)),
+                outputs: Outputs {
+                    contact_point: point,
+                    center_distance: c,
+                    contact_z: T::from(k.z_ref),
+                    out_of_range: true,
+                    ..Outputs::default()
+                },
                 mesh: None,
             });
         }
@@ -262,19 +264,19 @@ impl<T: Scalar> Solution<T> {
         let twist = pose.map.twist(&inputs.gears);
         let rates = pose.map.rates(&twist);
         let mesh = Engagement::new(k, c, q.axial);
-        let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + latch.tooth_angle) * k.per_tooth_angle;
+        let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + phase.tooth_angle) * k.per_tooth_angle;
 
         let mut out_of_range = mesh.leaving;
         let zero = T::from(0.0);
-        let mut flanks = [pose.unloaded(k, 0, x, latch), pose.unloaded(k, 1, x, latch)];
+        let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
-        let mut slopes = Coordinates::zero();
+        let mut slopes = Coordinates::default();
         let mut sliding = [None; 2];
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
-            let counts = if law.tells_teeth_apart() {
-                pose.counts(k, i, latch)
+            let counts = if law.tells_teeth_apart {
+                pose.counts(k, i, phase)
             } else {
                 [0; 2]
             };
@@ -414,7 +416,7 @@ fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (u
 
 /// Stress in the roots of gear 1 and gear 2 under the loads of both `flanks`, Pa: the larger one.
 ///
-/// Apart from the loads, which most units compute alone.
+/// Apart from the loads, which most FMUs compute alone.
 #[inline(never)]
 fn root_stress<T: Scalar>(
     table: &Table,
@@ -461,7 +463,7 @@ impl<T: Scalar> Engagement<T> {
     fn new(k: &Constants, c: T, lambda: T) -> Self {
         let one = T::from(1.0);
         let (radial, radial_slope) = radial_share(k, c);
-        let [(low, low_slope), (high, high_slope)] = face_overlap(k, lambda);
+        let [(low, low_slope), (high, high_slope)] = face_overlap(k, -lambda + k.z_ref);
         let per_half = 2.0 / (k.common_face[1] - k.common_face[0]);
         let (axial, axial_slope) = step((high - low) * per_half);
         Engagement {
@@ -490,12 +492,10 @@ pub(crate) fn radial_share<T: Scalar>(k: &Constants, c: T) -> (T, T) {
     step((c - k.reach.none) * k.reach.per_span)
 }
 
-/// Ends of the common face in gear 1's frame, m, each with its slope by `lambda`, with c2 at the axial position
-/// `lambda` in gear 2's frame; the first beyond the second: the faces are apart.
+/// Ends of the common face in gear 1's frame, m, each with its slope by the axial position of c2 in gear 2's frame, with gear 2's
+/// z = 0 face at `offset`; the first beyond the second: the faces are apart.
 #[inline(always)]
-pub(crate) fn face_overlap<T: Scalar>(k: &Constants, lambda: T) -> [(T, f64); 2] {
-    // Gear 2's face lies from `offset` to `offset + b2` in gear 1's frame.
-    let offset = -lambda + k.z_ref;
+pub(crate) fn face_overlap<T: Scalar>(k: &Constants, offset: T) -> [(T, f64); 2] {
     let [b1, b2] = k.face_width;
     let low = if offset.re() > 0.0 {
         (offset, -1.0)

@@ -22,6 +22,7 @@ pub(crate) mod part {
 pub trait Scalar:
     nalgebra::Scalar
     + Copy
+    + Default
     + PartialOrd
     + From<f64>
     + ClosedAddAssign
@@ -84,7 +85,7 @@ impl Scalar for f64 {
 }
 
 /// `re` + sum of `eps[i]` e_i with e_i e_j = 0: a value and its derivatives along the directions of [`part`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Dual {
     /// Value.
     pub re: f64,
@@ -149,7 +150,7 @@ impl PartialOrd for Dual {
 }
 
 macro_rules! operators {
-    ($($operator:ident $method:ident ($a:ident: Dual, $b:ident: $other:ty) $result:expr;)*) => {$(
+    ($($operator:ident $method:ident $(($assign:ident $assigned:ident))? |$a:ident, $b:ident: $other:ty| $result:expr;)*) => {$(
         impl $operator<$other> for Dual {
             type Output = Dual;
 
@@ -160,38 +161,28 @@ macro_rules! operators {
                 $result
             }
         }
+
+        $(impl $assign for Dual {
+            #[inline(always)]
+            fn $assigned(&mut self, other: Dual) {
+                *self = self.$method(other);
+            }
+        })?
     )*};
 }
 
 operators! {
-    Add add (a: Dual, b: Dual) a.both(b, a.re + b.re, |x, y| x + y);
-    Sub sub (a: Dual, b: Dual) a.both(b, a.re - b.re, |x, y| x - y);
-    Mul mul (a: Dual, b: Dual) a.both(b, a.re * b.re, |x, y| x * b.re + y * a.re);
-    Div div (a: Dual, b: Dual) {
+    Add add (AddAssign add_assign) |a, b: Dual| a.both(b, a.re + b.re, |x, y| x + y);
+    Sub sub (SubAssign sub_assign) |a, b: Dual| a.both(b, a.re - b.re, |x, y| x - y);
+    Mul mul (MulAssign mul_assign) |a, b: Dual| a.both(b, a.re * b.re, |x, y| x * b.re + y * a.re);
+    Div div |a, b: Dual| {
         let inverse = 1.0 / b.re;
         let ratio = a.re * inverse;
         a.both(b, ratio, |x, y| (x - y * ratio) * inverse)
     };
-    Add add (a: Dual, b: f64) Dual { re: a.re + b, ..a };
-    Sub sub (a: Dual, b: f64) Dual { re: a.re - b, ..a };
-    Mul mul (a: Dual, b: f64) a.chained(a.re * b, b);
-}
-
-macro_rules! assigning {
-    ($($operator:ident $method:ident $symbol:tt;)*) => {$(
-        impl $operator for Dual {
-            #[inline(always)]
-            fn $method(&mut self, other: Dual) {
-                *self = *self $symbol other;
-            }
-        }
-    )*};
-}
-
-assigning! {
-    AddAssign add_assign +;
-    SubAssign sub_assign -;
-    MulAssign mul_assign *;
+    Add add |a, b: f64| Dual { re: a.re + b, ..a };
+    Sub sub |a, b: f64| Dual { re: a.re - b, ..a };
+    Mul mul |a, b: f64| a.chained(a.re * b, b);
 }
 
 impl Neg for Dual {

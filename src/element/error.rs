@@ -1,7 +1,5 @@
 //! What the element refuses.
 
-use crate::words::fixed;
-
 /// Why an element cannot be made, or has no meaning at a pose.
 #[derive(Debug, thiserror::Error)]
 pub enum ElementError {
@@ -22,7 +20,7 @@ pub enum ElementError {
     NoTable,
     /// The parameters ask for contact at run time and none was given.
     #[error(
-        "stiffnessModel = contact, but the unit does not hold the contact of its pair: build it with `gearmesh build \
+        "stiffnessModel = contact, but the FMU does not hold the contact of its pair: build it with `gearmesh build \
          --contact`, or set stiffnessModel = table"
     )]
     NoContact,
@@ -32,21 +30,6 @@ pub enum ElementError {
     /// The table cannot give what the parameters ask for.
     #[error(transparent)]
     Table(#[from] crate::table::TableError),
-    /// In the absolute phase reference the start pose lets teeth overlap more than any load of the table.
-    #[error(
-        "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_um:.1} um, which takes {} kN on the line of action where the largest load is {} kN; turn gear 1 by {turn_rad:+.3e} rad, or set phaseReference = fromInitialPose",
-        fixed(*force_kn, 2), fixed(*largest_kn, 2)
-    )]
-    TeethOverlap {
-        /// Penetration on the line of action beyond the first touch, um.
-        overlap_um: f64,
-        /// Its force, kN.
-        force_kn: f64,
-        /// Force of the largest load, kN.
-        largest_kn: f64,
-        /// Rotation of gear 1 after which its loaded flank just touches, rad.
-        turn_rad: f64,
-    },
     /// The law of the flank has no potential at this pose; why, as text.
     #[error("{0}")]
     NoPotential(String),

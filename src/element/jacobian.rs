@@ -7,40 +7,9 @@ use super::contact::Solution;
 use super::dual::{Dual, part};
 use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, PhaseOffset};
 use crate::vector::{Lanes, Work};
 use nalgebra::{SMatrix, SVector, Vector3};
-
-/// Change of one body's motion; a rotation is a small rotation vector in world axes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MotionChange {
-    /// Of the position, m.
-    pub p: Vector3<f64>,
-    /// Rotation vector, rad: dR = rotation x R.
-    pub rotation: Vector3<f64>,
-    /// Of the velocity, m/s.
-    pub v: Vector3<f64>,
-    /// Of the angular velocity, rad/s.
-    pub w: Vector3<f64>,
-}
-
-/// Change of all inputs: the direction of a directional derivative.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct InputsChange {
-    /// Gear 1 and gear 2.
-    pub gears: [MotionChange; 2],
-    /// Carrier.
-    pub carrier: MotionChange,
-}
-
-impl InputsChange {
-    /// In the order of the columns of [`Jacobian`].
-    pub fn to_vector(&self) -> SVector<f64, { 3 * BODY_COLUMNS }> {
-        let [g1, g2] = &self.gears;
-        let parts = [g1, g2, &self.carrier].map(|m| [m.p, m.rotation, m.v, m.w]);
-        SVector::from_fn(|i, _| parts[i / BODY_COLUMNS][i % BODY_COLUMNS / 3][i % 3])
-    }
-}
 
 /// Columns of one body in [`Jacobian`]: position, rotation, velocity, angular velocity.
 pub const BODY_COLUMNS: usize = 12;
@@ -48,6 +17,9 @@ pub const BODY_COLUMNS: usize = 12;
 /// Rows: [`Outputs::to_array`](super::Outputs::to_array). Columns: gear 1, gear 2, carrier, each as position (m), rotation
 /// vector in world axes (rad), velocity (m/s), angular velocity (rad/s).
 pub type Jacobian = SMatrix<f64, CONTINUOUS_OUTPUTS, { 3 * BODY_COLUMNS }>;
+
+/// Change of all motions, in the order of the columns of [`Jacobian`].
+pub type Direction = SVector<f64, { 3 * BODY_COLUMNS }>;
 
 /// First columns of the bodies, and of the kinds of motion within them.
 const GEAR_1: usize = 0;
@@ -62,23 +34,6 @@ const SPIN: usize = 9;
 const CONTACT_POINT: usize = 12;
 
 impl Element {
-    /// Derivative of the continuous outputs ([`Outputs::to_array`](super::Outputs::to_array)) at `inputs` along `direction`:
-    /// [`Element::jacobian`] times the direction.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
-    pub fn directional_derivative(
-        &self,
-        latch: &Latch,
-        inputs: &Inputs,
-        direction: &InputsChange,
-    ) -> Result<[f64; CONTINUOUS_OUTPUTS], ElementError> {
-        let mut jacobian = Jacobian::zeros();
-        self.jacobian(latch, inputs, &mut jacobian)?;
-        let slopes: &Jacobian = &jacobian; // a product with the matrix itself would copy it
-        Ok((slopes * direction.to_vector()).into())
-    }
-
     /// Writes all partial derivatives of the continuous outputs at `inputs` into `jacobian`: in place, since copies of eight
     /// kilobytes are a share of the time. After an error its content has no meaning.
     ///
@@ -89,38 +44,35 @@ impl Element {
     /// As [`Element::evaluate`].
     pub fn jacobian(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
         let workspace = &mut Workspace::default();
-        self.slopes(Some(latch), inputs, true, jacobian, workspace)
+        self.slopes(Some(phase), inputs, true, jacobian, workspace)
     }
 
-    /// As [`Element::jacobian`]; without `latch` with phases that follow the pose ([`Element::latch`]), and with the row of
+    /// As [`Element::jacobian`]; without `phase` with phases that follow the pose ([`Element::phase_offset`]), and with the row of
     /// the stiffness only if `stiffness_slopes`: else it may hold NaN.
-    ///
-    /// # Errors
-    /// As there.
     pub(crate) fn slopes(
         &self,
-        latch: Option<&Latch>,
+        phase: Option<&PhaseOffset>,
         inputs: &Inputs,
         stiffness_slopes: bool,
         jacobian: &mut Jacobian,
         workspace: &mut Workspace,
     ) -> Result<(), ElementError> {
         inputs.check(self.with_carrier())?;
-        let latch = match latch {
-            Some(latch) => Latch {
-                tooth_angle: latch.tooth_angle.into(),
-                mesh_position: latch.mesh_position.into(),
+        let phase = match phase {
+            Some(phase) => PhaseOffset {
+                tooth_angle: phase.tooth_angle.into(),
+                mesh_position: phase.mesh_position.into(),
             },
             None => self.phases(inputs)?,
         };
         Lanes::widest().run_long(Filling {
             element: self,
-            latch: &latch,
+            phase: &phase,
             inputs,
             stiffness_slopes,
             jacobian,
@@ -132,7 +84,7 @@ impl Element {
 /// One Jacobian to be filled.
 struct Filling<'a> {
     element: &'a Element,
-    latch: &'a Latch<Dual>,
+    phase: &'a PhaseOffset<Dual>,
     inputs: &'a Inputs,
     stiffness_slopes: bool,
     jacobian: &'a mut Jacobian,
@@ -145,7 +97,7 @@ impl Work for Filling<'_> {
     #[inline(always)]
     fn run(self) -> Self::Output {
         let (inputs, stiffness) = (self.inputs, self.stiffness_slopes);
-        let solution = Solution::new(self.element, self.latch, inputs, stiffness, self.workspace)?;
+        let solution = Solution::new(self.element, self.phase, inputs, stiffness, self.workspace)?;
         let rows = solution.outputs.to_array();
         let columns = &mut self.jacobian.data.0;
         for lane in 0..12 {

@@ -40,7 +40,7 @@ use nalgebra::Vector3;
 const TILT_LIMIT: f64 = 0.1;
 
 /// What the law knows of a pose: the numbers themselves, their rates, or the slopes of a potential by them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Coordinates<T> {
     /// x, part of the penetration that is odd in the flank's sign, m.
     pub turn: T,
@@ -54,22 +54,6 @@ pub(crate) struct Coordinates<T> {
     pub mesh_angle: T,
     /// lambda, m.
     pub axial: T,
-}
-
-impl<T: Scalar> Coordinates<T> {
-    /// No slopes.
-    #[inline(always)]
-    pub(crate) fn zero() -> Self {
-        let zero = T::from(0.0);
-        Self {
-            turn: zero,
-            half_gap: zero,
-            center_distance: zero,
-            misalignment: [zero; 2],
-            mesh_angle: zero,
-            axial: zero,
-        }
-    }
 }
 
 /// Force and moment, or velocity and angular velocity, at one point: on the gears at their origins in W, between
@@ -141,9 +125,7 @@ pub(crate) struct Map<T> {
 impl<T: Scalar> Map<T> {
     /// Map of a pose. The station is mid-face. In the paper's formulation it is gear 1's z = 0 face, and the penetration knows
     /// rotations about the axes alone: x without helix, H fixed.
-    ///
-    /// # Errors
-    /// Axes that do not run alike, base circles without a common tangent.
+    /// Errors: axes that do not run alike, base circles without a common tangent.
     #[inline(always)]
     pub(crate) fn new(
         k: &Constants,
@@ -221,7 +203,7 @@ impl<T: Scalar> Map<T> {
         })
     }
 
-    /// Coordinates at the pose `gears` of the map in the conjugate formulation, with x before the latch and not wrapped.
+    /// Coordinates at the pose `gears` of the map in the conjugate formulation, with x before the phase offset and not wrapped.
     #[inline(always)]
     pub(crate) fn coordinates(&self, k: &Constants, [g1, g2]: &[Motion; 2]) -> Coordinates<T> {
         let [bx, by, _] = self.b;
@@ -393,8 +375,7 @@ impl<T: Scalar> Map<T> {
     }
 }
 
-/// # Errors
-/// The axes of `body` and `reference`, whose unit vectors have the product `cosine`, do not run alike.
+/// Errors: the axes of `body` and `reference`, whose unit vectors have the product `cosine`, do not run alike.
 #[inline(always)]
 pub(crate) fn check_tilt(body: &str, reference: &str, cosine: f64) -> Result<(), ElementError> {
     if cosine < TILT_LIMIT.cos() {

@@ -75,7 +75,8 @@ pub struct Workspace(pub(crate) [Warm; 2]);
 #[derive(Clone)]
 pub(crate) struct Law {
     source: Source,
-    tells_teeth_apart: bool,
+    /// Whether it needs to know which teeth are in mesh.
+    pub tells_teeth_apart: bool,
     /// Factors on the coordinates: 0 where the effect is off, -1 on the misalignment of a mirrored flank.
     coordinate_factors: [f64; COORDINATES],
     /// Likewise on the gradient.
@@ -132,9 +133,7 @@ impl Law {
     }
 
     /// `flank` of the pair's table, with the effects that it was made for.
-    ///
-    /// # Errors
-    /// Tooth pairs are among the effects and the table does not have them.
+    /// Errors: tooth pairs are among the effects and the table does not have them.
     pub(crate) fn table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
         let effects = *table.effects();
         let (source, mirrored) = if effects.teeth {
@@ -172,9 +171,7 @@ impl Law {
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC) with the mesh cycles that
     /// passed on either gear. The derivatives of the stiffness are NaN unless `stiffness_slopes` asks for them: they cost
     /// two evaluations.
-    ///
-    /// # Errors
-    /// The law has no potential there.
+    /// Errors: the law has no potential there.
     #[inline(always)]
     pub(crate) fn respond<T: Scalar>(
         &self,
@@ -219,12 +216,6 @@ impl Law {
     /// Whether it follows the centre distance and the misalignment.
     pub(crate) fn follows(&self) -> [bool; 2] {
         [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
-    }
-
-    /// Whether it needs to know which teeth are in mesh.
-    #[inline]
-    pub(crate) fn tells_teeth_apart(&self) -> bool {
-        self.tells_teeth_apart
     }
 
     /// `sliding` at the coordinates `at`, which are those of `q`, with its slopes by differences where `q` carries derivatives.
@@ -348,9 +339,7 @@ fn central_difference<E>(
 }
 
 /// The answer of a static contact solve at the coordinates `at`.
-///
-/// # Errors
-/// No solve succeeds.
+/// Errors: no solve succeeds.
 fn contact_answer(
     contact: &RuntimeContact,
     at: [f64; COORDINATES],

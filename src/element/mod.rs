@@ -29,7 +29,7 @@
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
 //! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone.
-//! An evaluation remembers nothing: phase zeros ([`Latch`]) and where a contact solve starts ([`Workspace`]) are the
+//! An evaluation remembers nothing: phase offsets ([`PhaseOffset`]) and where a contact solve starts ([`Workspace`]) are the
 //! caller's. It allocates under contact at run time alone.
 
 mod constants;
@@ -49,9 +49,9 @@ mod start;
 pub use crate::table::Interpolation;
 pub use dual::Scalar;
 pub use error::ElementError;
-pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
+pub use jacobian::{BODY_COLUMNS, Direction, Jacobian};
 pub use law::{Elasticity, FlankLaws, Workspace};
-pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
+pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Motion, Outputs, PhaseOffset};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
 
@@ -265,8 +265,8 @@ impl Element {
     /// # Errors
     /// A pose without meaning (see [`ElementError`]), or at which a law has no potential. Gears out of reach of one another
     /// are no error: they feel no force.
-    pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
-        self.evaluate_from(latch, inputs, &mut Workspace::default())
+    pub fn evaluate(&self, phase: &PhaseOffset, inputs: &Inputs) -> Result<Outputs, ElementError> {
+        self.evaluate_from(phase, inputs, &mut Workspace::default())
     }
 
     /// As [`Element::evaluate`], faster under contact at run time, from `workspace` of the last evaluation.
@@ -275,12 +275,12 @@ impl Element {
     /// As [`Element::evaluate`].
     pub fn evaluate_from(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         workspace: &mut Workspace,
     ) -> Result<Outputs, ElementError> {
         inputs.check(self.with_carrier())?;
-        Ok(Solution::new(self, latch, inputs, false, workspace)?.outputs)
+        Ok(Solution::new(self, phase, inputs, false, workspace)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {
@@ -302,21 +302,20 @@ impl Element {
 
     /// Whether a flank is pressed by more than half of what fits between the gap and the tooth behind: no load does that,
     /// and twice as far the tooth behind pushes the other way.
-    ///
-    /// # Errors
-    /// It is, and one flank alone can carry: the gears have turned back through the flank that is missing.
+    /// Errors: it is, and one flank alone can carry: the gears have turned back through the flank that is missing.
     fn have_passed(&self, penetration: f64, half_gap: f64) -> Result<bool, ElementError> {
         let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
         let passed = penetration > limit;
         if passed && self.parameters.loaded_flank != LoadedFlank::Both {
-            let flank = match self.parameters.loaded_flank {
-                LoadedFlank::Coast => "coast",
-                _ => "drive",
+            let (flank, sign) = match self.parameters.loaded_flank {
+                LoadedFlank::Coast => ("coast", -1.0),
+                _ => ("drive", 1.0),
             };
             return Err(ElementError::Pose(format!(
                 "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
-                 back from this flank, and they have come to the tooth behind: set loadedFlank = both",
-                1e3 * penetration
+                 back from this flank, and they have come to the tooth behind: set loadedFlank = both{}",
+                1e3 * penetration,
+                self.phase_remedy(sign * penetration)
             )));
         }
         Ok(passed)
@@ -324,9 +323,7 @@ impl Element {
 }
 
 /// `table` for the stress in the tooth roots; `differ`: of teeth that differ.
-///
-/// # Errors
-/// There is none, or teeth differ: its stress is that of loads that teeth alike share.
+/// Errors: there is none, or teeth differ: its stress is that of loads that teeth alike share.
 fn root_stress_table(table: Option<Arc<Table>>, differ: bool) -> Result<Arc<Table>, ElementError> {
     if differ {
         return Err(ElementError::Parameter {

@@ -56,11 +56,7 @@ impl Motion {
         let lengths = [x.norm_squared() - 1.0, y.norm_squared() - 1.0];
         let departures =
             [lengths[0], lengths[1], x.dot(&y), third.x, third.y, third.z].map(f64::abs);
-        // The largest one is not above their sum, as a rule far below the limit.
-        if departures.iter().sum::<f64>() <= ROTATION_TOLERANCE {
-            return Ok(());
-        }
-        let departure = departures.into_iter().fold(0.0, f64::max);
+        let departure = departures.iter().sum::<f64>();
         if departure > ROTATION_TOLERANCE {
             return Err(ElementError::Pose(format!(
                 "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); \
@@ -87,8 +83,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// # Errors
-    /// Numbers that are not finite, orientations that are no rotations; of the carrier only if `with_carrier`.
+    /// Errors: numbers that are not finite, orientations that are no rotations; of the carrier only if `with_carrier`.
     pub(crate) fn check(&self, with_carrier: bool) -> Result<(), ElementError> {
         self.gears[0].check("gear1")?;
         self.gears[1].check("gear2")?;
@@ -102,8 +97,8 @@ impl Inputs {
 /// Contact loads and diagnostics.
 ///
 /// Forces and moments are those on the gears by the contact, in world axes; `force[0] = -force[1]`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outputs<T = f64> {
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Outputs<T: Scalar = f64> {
     /// Force on gear 1 and gear 2, N.
     pub force: [Vector3<T>; 2],
     /// Moment on each gear about that gear's own origin, N m.
@@ -155,37 +150,6 @@ pub struct Outputs<T = f64> {
 pub const CONTINUOUS_OUTPUTS: usize = 31;
 
 impl<T: Scalar> Outputs<T> {
-    /// No load, for gears so far apart that phase and transmission error have no meaning (zero).
-    pub(crate) fn out_of_reach(
-        contact_point: Vector3<T>,
-        center_distance: T,
-        contact_z: T,
-    ) -> Self {
-        let zero = T::from(0.0);
-        let none = [Vector3::repeat(zero); 2];
-        Self {
-            force: none,
-            moment: none,
-            contact_point,
-            transmission_error: zero,
-            transmission_error_rate: zero,
-            mesh_position: zero,
-            center_distance,
-            misalignment: zero,
-            tangential_force: zero,
-            normal_force: zero,
-            stiffness: zero,
-            contact_z,
-            energy: zero,
-            friction_power: zero,
-            friction_coefficient: zero,
-            loss_factor: zero,
-            root_stress: [zero; 2],
-            flank: 0,
-            out_of_range: true,
-        }
-    }
-
     /// All outputs of the FMU in its order: force and moment of gear 1, force and moment of
     /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`, `flank` and `out_of_range` (0 or 1)
     /// as steps without slopes, those of friction and the stress in both roots (`energy` is left out: the FMU does not show it).
@@ -222,21 +186,11 @@ impl<T: Scalar> Outputs<T> {
     }
 }
 
-/// Phase zeros, taken once from the initial pose. They belong to the state of a simulation.
+/// Phase offsets, taken once from the initial pose. They belong to the state of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Latch<T = f64> {
+pub struct PhaseOffset<T = f64> {
     /// Added to the tooth angle z1 (theta1 - gamma) + e z2 (theta2 - gamma), rad; 2 pi is one pitch.
     pub tooth_angle: T,
     /// Added to the mesh position of the drive flank (taken off the coast flank's), base pitches.
     pub mesh_position: T,
-}
-
-impl<T: Scalar> Latch<T> {
-    /// The phases of the body frames.
-    pub(crate) fn zero() -> Self {
-        Self {
-            tooth_angle: T::from(0.0),
-            mesh_position: T::from(0.0),
-        }
-    }
 }

@@ -9,7 +9,7 @@
 //! there alone it cannot give energy; the radial and axial force of (9) follow the elastic force.
 
 use super::constants::{Constants, behind};
-use super::contact::FlankLoad;
+use super::contact::{FlankLoad, face_overlap};
 use super::dual::{Scalar, angles, cross, dot, part, scaled, shifted, turned};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Spatial, check_tilt};
@@ -37,8 +37,7 @@ pub(crate) struct Carried<T> {
 }
 
 impl<T: Scalar> Carried<T> {
-    /// # Errors
-    /// Gears that are tilted against the carrier, base circles without a common tangent in its plane.
+    /// Errors: gears that are tilted against the carrier, base circles without a common tangent in its plane.
     #[inline(always)]
     pub(crate) fn new(k: &Constants, inputs: &Inputs) -> Result<Self, ElementError> {
         let [g1, g2] = &inputs.gears;
@@ -73,17 +72,7 @@ impl<T: Scalar> Carried<T> {
                 one,
             ],
         );
-        let [b1, b2] = k.face_width;
-        let low = if between.z.re() > 0.0 {
-            between.z
-        } else {
-            zero
-        };
-        let high = if between.z.re() + b2 < b1 {
-            between.z + b2
-        } else {
-            T::from(b1)
-        };
+        let [(low, _), (high, _)] = face_overlap(k, between.z);
         // Tooth angle of the `absolute` reference at theta1 = theta2 = gamma, mid-face, nominal faces.
         let w = k.pitch_fraction;
         let tooth_angle_zero = k.tooth_zero - k.z[0] * behind(w) - k.e * k.z[1] * behind(w - 1.0)

@@ -159,8 +159,7 @@ impl Parameters {
         }
     }
 
-    /// # Errors
-    /// A number without a meaning, and what only tables hold without one.
+    /// Errors: a number without a meaning, and what only tables hold without one.
     pub(crate) fn check(&self) -> Result<(), ElementError> {
         let refuse = |name, value: String, remedy| {
             Err(ElementError::Parameter {
@@ -170,24 +169,24 @@ impl Parameters {
             })
         };
         let number = |value: f64, unit: &str| format!("{} {unit}", number(value));
-        let positive = |name, value: f64, unit| match value.is_finite() && value > 0.0 {
-            true => Ok(()),
-            false => refuse(name, number(value, unit), "give a finite number above zero"),
-        };
-        let not_negative = |name, value: f64, unit| match value.is_finite() && value >= 0.0 {
-            true => Ok(()),
-            false => {
-                let remedy = "give a finite number, zero or above";
-                refuse(name, number(value, unit), remedy)
-            }
-        };
-        positive("constantStiffness", self.constant_stiffness, "N/m")?;
-        positive("nominalTorque", self.nominal_torque, "N m")?;
-        not_negative("damping", self.damping, "N s/m")?;
-        not_negative("backlash", self.backlash.unwrap_or_default(), "m")?;
-        not_negative("frictionFactor", self.friction_factor, "")?;
+        let backlash = self.backlash.unwrap_or_default();
         let speed = self.friction_transition_speed;
-        positive("frictionTransitionSpeed", speed, "m/s")?;
+        for (name, value, unit, may_be_zero) in [
+            ("constantStiffness", self.constant_stiffness, "N/m", false),
+            ("nominalTorque", self.nominal_torque, "N m", false),
+            ("damping", self.damping, "N s/m", true),
+            ("backlash", backlash, "m", true),
+            ("frictionFactor", self.friction_factor, "", true),
+            ("frictionTransitionSpeed", speed, "m/s", false),
+        ] {
+            let remedy = match may_be_zero {
+                true => "give a finite number, zero or above",
+                false => "give a finite number above zero",
+            };
+            if !(value.is_finite() && (value > 0.0 || may_be_zero && value == 0.0)) {
+                return refuse(name, number(value, unit), remedy);
+            }
+        }
         if !(self.damping_onset > 0.0 && self.damping_onset <= 1.0) {
             let remedy = "give a share of the nominal force, above 0 and up to 1; damping = 0 switches damping off";
             return refuse("dampingOnset", number(self.damping_onset, ""), remedy);

@@ -21,7 +21,7 @@ use super::constants::FLANKS;
 use super::contact::{Mesh, Solution};
 use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{Inputs, Latch, Motion, Outputs};
+use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
 
 /// In which step a master lets the loads act that it reads after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,20 +119,6 @@ const NOISE: f64 = 1e-3;
 /// Poses and velocities of one body that agree better than this, m, are of one motion.
 const AGREEMENT: f64 = 1e-9;
 
-/// Motion along the line of action while the loads act.
-struct Approach {
-    /// From the communication point to the begin of the step in which the loads act, s.
-    start: f64,
-    /// Until then: acceleration beside the present velocities, m/s², under loads that are given.
-    given: f64,
-    /// Then: acceleration by all but the mesh, m/s².
-    others: f64,
-    /// 1/m, 1/kg.
-    mobility: f64,
-    /// s.
-    length: f64,
-}
-
 impl Element {
     /// Loads for the step of `request`, from the communication point with `inputs`, `last` being the step that ended there.
     /// The first step, one whose poses and velocities do not follow from the last, and one too long for the mesh's
@@ -142,14 +128,14 @@ impl Element {
     /// As [`Element::evaluate`], at the communication point.
     pub fn predict(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         last: Option<&Step>,
         request: &StepRequest,
         workspace: &mut Workspace,
     ) -> Result<Prediction, ElementError> {
         inputs.check(self.with_carrier())?;
-        let solution = Solution::new(self, latch, inputs, false, workspace)?;
+        let solution = Solution::new(self, phase, inputs, false, workspace)?;
         let outputs = solution.outputs;
         let mut prediction = Prediction {
             outputs,
@@ -183,9 +169,8 @@ impl Element {
         if let Some(last) = last {
             step.follow(last);
         }
-        if let Some(motion) = self.approach(&step, request)
-            && let Some((loads, mean)) =
-                self.step_loads(latch, inputs, (prediction.loads, force), &motion, workspace)
+        let now = (prediction.loads, force);
+        if let Some((loads, mean)) = self.step_loads(phase, inputs, now, &step, request, workspace)
         {
             prediction.loads = loads;
             step.next = mean;
@@ -204,60 +189,50 @@ impl Element {
         (NOISE * self.constants.nominal_force).powi(2)
     }
 
-    /// The motion while the loads of `request` act, from the start of `step`; `None`: they are held, nothing is known of
-    /// the motion, or the step is too long for it.
-    fn approach(&self, step: &Step, request: &StepRequest) -> Option<Approach> {
-        let mut motion = Approach {
-            start: match request.coupling {
-                Coupling::Held => return None,
-                Coupling::Sequential => 0.0,
-                Coupling::Parallel => request.length,
-            },
-            given: 0.0,
-            others: 0.0,
-            mobility: 0.0,
-            length: request.length,
-        };
-        let mass = request.effective_mass;
-        if mass > 0.0 {
-            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
-            if request.length * (stiffness / mass).sqrt() > LONGEST_STEP {
-                return None;
-            }
-            motion.mobility = step.sums.mobility(mass, self.noise());
-            motion.others = step.acceleration? + step.before * motion.mobility;
-            motion.given = motion.others - step.force * motion.mobility;
-        }
-        Some(motion)
-    }
-
-    /// Constant loads for the step of `motion`, and their part along the turn, N, from those at the communication point;
-    /// `None`: it leads where the element has no loads.
+    /// Constant loads for the step of `request`, and their part along the turn, N, after the start of `step` with the loads `now`.
+    /// `None`: loads are held, nothing is known of the motion, the step is too long for it, or it leads where there are no loads.
     fn step_loads(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         now: (Loads, f64),
-        motion: &Approach,
+        step: &Step,
+        request: &StepRequest,
         workspace: &mut Workspace,
     ) -> Option<(Loads, f64)> {
-        let h = motion.length;
+        let (h, mass) = (request.length, request.effective_mass);
+        // From the communication point to the begin of the step in which the loads act, s.
+        let start = match request.coupling {
+            Coupling::Held => return None,
+            Coupling::Sequential => 0.0,
+            Coupling::Parallel => h,
+        };
+        // 1/m, the acceleration by all but the mesh, and the one until the loads act, under loads that are given, m/s².
+        let (mut mobility, mut others, mut given) = (0.0, 0.0, 0.0);
+        if mass > 0.0 {
+            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
+            if h * (stiffness / mass).sqrt() > LONGEST_STEP {
+                return None;
+            }
+            mobility = step.sums.mobility(mass, self.noise());
+            others = step.acceleration? + step.before * mobility;
+            given = others - step.force * mobility;
+        }
         // Displacement beside the drift with the present velocities, m, and its rate.
-        let y = 0.5 * motion.given * motion.start.powi(2);
-        let u = motion.given * motion.start;
+        let (y, u) = (0.5 * given * start.powi(2), given * start);
         // One step of the classical Runge-Kutta method for y'' = a - F/m.
         let mut stages = [now; 4];
         let (mut dy, mut du) = (0.0, 0.0);
         for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {
             let (y, u) = (y + ahead * dy, u + ahead * du);
-            let time = motion.start + ahead;
+            let time = start + ahead;
             if time > 0.0 {
                 let there = self.moved(inputs, time, y, u);
-                let solution = Solution::new(self, latch, &there, false, workspace).ok()?;
+                let solution = Solution::new(self, phase, &there, false, workspace).ok()?;
                 let force = solution.mesh.map_or(0.0, |mesh| mesh.force_along_turn());
                 *stage = (Loads::at(&solution.outputs), force);
             }
-            (dy, du) = (u, motion.others - stage.1 * motion.mobility);
+            (dy, du) = (u, others - stage.1 * mobility);
         }
         let parted = stages.iter().any(|(_, force)| *force == 0.0);
         let weights = if parted { MEAN } else { EQUIVALENT };
@@ -304,22 +279,12 @@ impl Step {
         self.length
     }
 
-    /// Whether a prediction can have made it.
+    /// Whether a prediction can have made it, its numbers being finite as all in JSON are.
     pub fn is_valid(&self) -> bool {
-        let Sums {
-            ours,
-            other,
-            acceleration,
-        } = self.sums;
-        let numbers = [self.length, self.force, self.next, self.before];
-        let changes = self.change.unwrap_or_default();
-        let pairs = [self.position, self.rate, changes, ours, other];
-        let rest = [self.acceleration.unwrap_or_default(), acceleration];
-        let mut all = numbers.iter().chain(pairs.as_flattened()).chain(&rest);
-        all.all(|x| x.is_finite())
-            && self.length > 0.0
+        let Sums { ours, other, .. } = self.sums;
+        self.length > 0.0
             && self.sign.abs() == 1.0
-            && ours[0].min(other[0]).min(acceleration) >= 0.0
+            && ours[0].min(other[0]).min(self.sums.acceleration) >= 0.0
     }
 
     /// Takes over from the step `last` before it what it shows, if the motion of this one follows from it.

@@ -2,10 +2,10 @@
 
 use super::constants::{Constants, FLANKS};
 use super::contact::{Pose, Solution, face_overlap, is_shifted, radial_share};
-use super::dual::{Scalar, fraction, lift, wrap};
+use super::dual::{Scalar, fraction, lift};
 use super::error::ElementError;
 use super::law::{Law, Workspace};
-use super::motion::{Inputs, Latch, Outputs};
+use super::motion::{Inputs, Outputs, PhaseOffset};
 use super::parameters::PhaseReference;
 use super::{Element, START_FORCE};
 use crate::contact::Warm;
@@ -18,10 +18,8 @@ use crate::words::fixed;
 pub(crate) struct Covered {
     /// Actual minus nominal centre distance, m; `None`: the element does not look at it.
     center_distance_offset: Option<[f64; 2]>,
-    /// Misalignment, rad, of the drive flank; `None`: the element does not look at it.
-    misalignment: Option<[f64; 2]>,
-    /// Whether the coast flank has the range mirrored.
-    mirrored: bool,
+    /// Misalignment, rad, of drive and coast flank; `None`: the element does not look at it.
+    misalignment: [Option<[f64; 2]>; 2],
 }
 
 impl Covered {
@@ -32,21 +30,20 @@ impl Covered {
             _ => None,
         };
         let axes = &file.axes;
+        let drive = range(effects.misalignment, &axes.misalignment);
+        let coast = match file.coast {
+            Some(_) => drive,
+            None => drive.map(|[low, high]| [-high, -low]), // mirrored
+        };
         Self {
             center_distance_offset: range(effects.center_distance, &axes.center_distance_offset),
-            misalignment: range(effects.misalignment, &axes.misalignment),
-            mirrored: file.coast.is_none(),
+            misalignment: [drive, coast],
         }
     }
 
-    /// Misalignments of the flank with `sign`, rad.
-    fn misalignment(&self, sign: i32) -> Option<[f64; 2]> {
-        let [low, high] = self.misalignment?;
-        Some(if sign < 0 && self.mirrored {
-            [-high, -low]
-        } else {
-            [low, high]
-        })
+    /// That of the flank in `outputs`.
+    fn misalignment(&self, outputs: &Outputs) -> Option<[f64; 2]> {
+        self.misalignment[usize::from(outputs.flank < 0)]
     }
 }
 
@@ -62,46 +59,61 @@ fn is_outside(range: Option<[f64; 2]>, value: f64) -> bool {
 }
 
 impl Element {
-    /// Phase zeros for a simulation that starts at `inputs`.
+    /// Phase offsets for a simulation that starts at `inputs`.
     ///
     /// # Errors
-    /// A pose without meaning; with [`PhaseReference::Absolute`], teeth that overlap.
-    pub fn latch(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
+    /// A pose without meaning, gears out of reach of one another.
+    pub fn phase_offset(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
         inputs.check(self.with_carrier())?;
         self.phases(inputs)
     }
 
-    /// As [`Element::latch`], where `inputs` can be a mesh.
+    /// As [`Element::phase_offset`], where `inputs` can be a mesh.
     ///
     /// # Errors
     /// As there; gears out of reach of one another, and teeth that jam with more than any load of the tables: the pose with its
     /// values and what would be right.
-    pub fn start(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
-        let latch = self.latch(inputs)?;
+    pub fn start(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
+        let phase = self.phase_offset(inputs)?;
         let reasons = self.apart(inputs)?.join("; ");
         if !reasons.is_empty() {
             return Err(ElementError::Pose(format!(
                 "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
             )));
         }
-        let solution = Solution::new(self, &latch, inputs, false, &mut Workspace::default())?;
-        let pressed = solution.mesh.map_or(0.0, |mesh| {
+        let Solution { outputs, mesh } =
+            Solution::new(self, &phase, inputs, false, &mut Workspace::default())?;
+        let pressed = mesh.map_or(0.0, |mesh| {
             let [drive, coast] = mesh.flanks.map(|flank| flank.elastic);
             drive.max(coast)
         });
-        let rigid = self.rigid_jam(&solution.outputs);
+        let rigid = self.rigid_jam(&outputs);
         let largest_rigid = START_FORCE * self.constants.nominal_force;
         for (force, largest) in [(pressed, self.largest_force), (rigid, largest_rigid)] {
             if force > largest {
                 let [force, largest] = [force, largest].map(|x| fixed(1e-3 * x, 2));
-                let pose = self.pose_in_words(&solution.outputs);
                 return Err(ElementError::Pose(format!(
                     "the initial pose jams the teeth with {force} kN on the line of action, where the largest load is {largest} \
-                     kN: {pose}; correct the positions and orientations of the gears"
+                     kN: {}; correct the positions and orientations of the gears{}",
+                    self.pose_in_words(&outputs),
+                    self.phase_remedy(
+                        outputs.transmission_error * self.line_of_action(outputs.center_distance)
+                    )
                 )));
             }
         }
-        Ok(latch)
+        Ok(phase)
+    }
+
+    /// What else helps teeth that stand where the body frames say and overlap on the line of action, by `x` (m) in the turn of gear 1.
+    pub(super) fn phase_remedy(&self, x: f64) -> String {
+        let turn = -x / self.constants.rb[0];
+        match self.parameters.phase_reference {
+            PhaseReference::FromInitialPose => String::new(),
+            PhaseReference::Absolute => {
+                format!(", turn gear 1 by {turn:+.3e} rad, or set phaseReference = fromInitialPose")
+            }
+        }
     }
 
     /// What puts the pose `inputs`, which gave `outputs`, out of range ([`Outputs::out_of_range`]), each with its value and
@@ -120,7 +132,7 @@ impl Element {
                     "centre distance {found}, where little of the path of contact is left"
                 ));
             }
-            let ends = face_overlap(k, q.axial).map(|(end, _)| end);
+            let ends = face_overlap(k, k.z_ref - q.axial).map(|(end, _)| end);
             if is_shifted(k, ends) {
                 let ([low, high], [right_low, right_high]) = (ends.map(mm), k.common_face.map(mm));
                 reasons.push(format!(
@@ -131,7 +143,7 @@ impl Element {
             if let Some(covered) = &self.covered {
                 let offset = outputs.center_distance - k.center_distance;
                 if is_outside(covered.center_distance_offset, offset)
-                    || is_outside(covered.misalignment(outputs.flank), outputs.misalignment)
+                    || is_outside(covered.misalignment(outputs), outputs.misalignment)
                 {
                     reasons.push(self.pose_in_words(outputs));
                 }
@@ -158,7 +170,7 @@ impl Element {
                 "centre distance {found}, in mesh {side} {limit} mm{unit}"
             ));
         }
-        let [low, high] = face_overlap(k, lambda).map(|(end, _)| end);
+        let [low, high] = face_overlap(k, k.z_ref - lambda).map(|(end, _)| end);
         if pose.map.in_reach && high <= low {
             reasons.push(format!(
                 "gear 2's z = 0 face at z = {} mm of gear 1 (nominal {} mm), so that the faces are {} mm apart",
@@ -177,7 +189,7 @@ impl Element {
         let Some(covered) = self.covered else {
             return 0.0;
         };
-        let tilts = covered.misalignment(outputs.flank);
+        let tilts = covered.misalignment(outputs);
         if tilts.is_some() && !is_outside(tilts, outputs.misalignment) {
             return 0.0;
         }
@@ -195,7 +207,7 @@ impl Element {
             let [low, high] = ends.map(|end| fixed(unit * end, digits));
             format!("tables {low} to {high}")
         };
-        let tilts = covered.misalignment(outputs.flank);
+        let tilts = covered.misalignment(outputs);
         let mut text = format!(
             "centre distance {}, misalignment {} mrad ({})",
             k.center_distance_in_words(outputs.center_distance),
@@ -210,28 +222,21 @@ impl Element {
         text
     }
 
-    /// The phases that the pose `inputs` gives, following it with their derivatives.
-    ///
-    /// # Errors
-    /// As [`Element::latch`], but for numbers that are not checked.
-    pub(crate) fn phases<T: Scalar>(&self, inputs: &Inputs) -> Result<Latch<T>, ElementError> {
+    /// The phases that the pose `inputs` gives, following it with their derivatives: those of the body frames, or those with which the
+    /// reference flank is about to carry. Numbers are not checked.
+    pub(crate) fn phases<T: Scalar>(
+        &self,
+        inputs: &Inputs,
+    ) -> Result<PhaseOffset<T>, ElementError> {
         let pose = Pose::<T>::new(self, inputs)?;
         if !pose.map.in_reach {
             return Err(ElementError::Pose(
                 "at the initial pose the gears are out of reach of one another; start from a pose in mesh".into(),
             ));
         }
-        match self.parameters.phase_reference {
-            PhaseReference::FromInitialPose => self.touching_phases(&pose),
-            PhaseReference::Absolute => {
-                self.refuse_overlap(&pose)?;
-                Ok(Latch::zero())
-            }
+        if self.parameters.phase_reference == PhaseReference::Absolute {
+            return Ok(PhaseOffset::default());
         }
-    }
-
-    /// The phases with which the pose is the one where the reference flank is about to carry.
-    fn touching_phases<T: Scalar>(&self, pose: &Pose<T>) -> Result<Latch<T>, ElementError> {
         /// Of the central differences, m and rad: small against a tooth, large against the 1e-16 m to which the onset is
         /// known.
         const STEP: f64 = 1e-6;
@@ -243,7 +248,7 @@ impl Element {
         let s = FLANKS[i].sign();
         let mesh_position = self.parameters.mesh_phase / k.pitch_angle;
         let Some(law) = &self.laws[i] else {
-            return Ok(Latch::zero());
+            return Ok(PhaseOffset::default());
         };
         let mut touch = Touch {
             law,
@@ -270,45 +275,11 @@ impl Element {
             *slope = (side(STEP)? - side(-STEP)?) / (2.0 * STEP);
         }
         let penetration = lift(found - ROUNDING * k.base_pitch, &slopes, &q) - pose.lever * q[1];
-        Ok(Latch {
+        Ok(PhaseOffset {
             tooth_angle: ((penetration + pose.coordinates.half_gap) * s - pose.coordinates.turn)
                 * (1.0 / k.per_tooth_angle),
             mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
         })
-    }
-
-    /// # Errors
-    /// In the phases of the body frames the teeth overlap by more than a load of the table brings about.
-    fn refuse_overlap<T: Scalar>(&self, pose: &Pose<T>) -> Result<(), ElementError> {
-        let k = &self.constants;
-        let q = &pose.coordinates;
-        let x = wrap(q.turn.re() / k.per_tooth_angle) * k.per_tooth_angle;
-        let offset = q.center_distance.re() - k.center_distance;
-        let scale = self.law_scale(k.base_sum / q.center_distance.re());
-        for (i, law) in self.laws.iter().enumerate() {
-            let Some(law) = law else { continue };
-            let s = FLANKS[i].sign();
-            let misalignment = pose.misalignment(i).re();
-            let delta = s * x - q.half_gap.re() + pose.lever.re() * misalignment;
-            let mut touch = Touch {
-                law,
-                quarter_pitch: 0.25 * k.base_pitch,
-                mesh_position: fraction(pose.mesh_position(k, i).re()),
-                counts: pose.counts(k, i, &Latch::zero()),
-                warm: Warm::default(),
-            };
-            let force = touch.force_energy_stiffness([offset, misalignment], delta * scale)?[0];
-            if force > self.largest_force {
-                let overlap = delta - touch.onset([offset, misalignment], 0.0)?;
-                return Err(ElementError::TeethOverlap {
-                    overlap_um: 1e6 * overlap,
-                    force_kn: 1e-3 * force,
-                    largest_kn: 1e-3 * self.largest_force,
-                    turn_rad: -s * overlap / k.rb[0],
-                });
-            }
-        }
-        Ok(())
     }
 }
 
@@ -328,16 +299,6 @@ struct Touch<'a> {
 }
 
 impl Touch<'_> {
-    fn force_energy_stiffness(
-        &mut self,
-        [offset, misalignment]: [f64; 2],
-        penetration: f64,
-    ) -> Result<[f64; 3], ElementError> {
-        let q = [penetration, offset, misalignment, self.mesh_position];
-        let w = self.law.respond(q, self.counts, false, &mut self.warm)?;
-        Ok([w.gradient[0], w.energy, w.stiffness])
-    }
-
     /// The largest penetration, m, at which the flank carries nothing at the centre distance offset (m) and the misalignment
     /// `pose`, within half a base pitch about zero, where the force rises; `start` (m) is looked at first.
     ///
@@ -353,18 +314,16 @@ impl Touch<'_> {
         let (mut free, mut pressed) = (-self.quarter_pitch, self.quarter_pitch);
         let (mut next, mut step) = (start, FIRST);
         for tried in 0.. {
-            let [force, energy, stiffness] = self.force_energy_stiffness(pose, next)?;
+            let q = [next, pose[0], pose[1], self.mesh_position];
+            let w = (self.law).respond::<f64>(q, self.counts, false, &mut self.warm)?;
+            let (force, energy) = (w.gradient[0], w.energy);
             let guess = if force > 0.0 {
                 pressed = next;
-                let way = energy / force / (1.0 - energy / force * (stiffness / force));
-                // Without energy there is no way: bisection.
-                let helps = way > 0.0;
-                pressed
-                    - if helps {
-                        (0.99 * way).max(3.0 * NEAR)
-                    } else {
-                        f64::NAN
-                    }
+                let way = energy / force / (1.0 - energy / force * (w.stiffness / force));
+                match way > 0.0 {
+                    true => pressed - (0.99 * way).max(3.0 * NEAR),
+                    false => f64::NAN, // without energy: bisection
+                }
             } else {
                 free = next;
                 step *= 4.0;

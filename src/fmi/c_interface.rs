@@ -26,7 +26,7 @@ use super::header::*;
 use super::instance::Instance;
 use super::lifecycle::{Function, Interface, State};
 use super::resources;
-use super::variables::LOG_CATEGORIES;
+use super::variables::{Kind, LOG_CATEGORIES};
 use super::{Refusal, Severity};
 
 /// What a fmi2Component points to.
@@ -35,15 +35,12 @@ struct Component {
     log: Log,
 }
 
-/// Log category of events.
-const EVENTS: &str = "logEvents";
-
 /// The host's logger. The callbacks are copied: their struct is valid during fmi2Instantiate alone.
 struct Log {
     logger: fmi2CallbackLogger,
     environment: fmi2ComponentEnvironment,
     name: CString,
-    /// Which of [`LOG_CATEGORIES`] are on.
+    /// Which of [`LOG_CATEGORIES`], which are in the order of [`Severity`], are on.
     is_on: [bool; LOG_CATEGORIES.len()],
 }
 
@@ -51,7 +48,7 @@ impl Log {
     /// What `loggingOn` and fmi2SetDebugLogging without categories mean by debug logging is events alone: why a call was
     /// refused reaches the logger until the host switches that category off by its name.
     fn categories(debug: bool) -> [bool; LOG_CATEGORIES.len()] {
-        LOG_CATEGORIES.map(|category| debug || category != EVENTS)
+        std::array::from_fn(|i| debug || i != Severity::Event as usize)
     }
 
     /// fmi2SetDebugLogging: switches `names`; without any, all of them on, or debug logging off. Nothing is changed if
@@ -59,7 +56,7 @@ impl Log {
     fn switch(&mut self, on: bool, names: &[&str]) -> Result<(), Refusal> {
         let names = match (names, on) {
             ([], true) => &LOG_CATEGORIES[..],
-            ([], false) => &[EVENTS],
+            ([], false) => &LOG_CATEGORIES[..1],
             _ => names,
         };
         if let Some(unknown) = names.iter().find(|name| !LOG_CATEGORIES.contains(name)) {
@@ -77,15 +74,13 @@ impl Log {
     }
 
     fn write(&self, severity: Severity, text: &str) {
-        let category = category(severity);
-        let mut categories = LOG_CATEGORIES.iter().zip(self.is_on);
-        let is_on = categories.any(|(name, is_on)| is_on && *name == category);
-        let (Some(logger), true) = (self.logger, is_on) else {
+        let i = severity as usize;
+        let (Some(logger), true) = (self.logger, self.is_on[i]) else {
             return;
         };
         // '#' starts a reference to a variable in a message, '##' is the character.
         let text = c_string(&text.replace('#', "##"));
-        let category = c_string(category);
+        let category = c_string(LOG_CATEGORIES[i]);
         // Safety: the logger is the host's; the format takes one string, and all strings outlive it.
         unsafe {
             logger(
@@ -97,17 +92,6 @@ impl Log {
                 text.as_ptr(),
             );
         }
-    }
-}
-
-/// Log category of a message.
-const fn category(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Event => EVENTS,
-        Severity::Warning => "logStatusWarning",
-        Severity::Discard => "logStatusDiscard",
-        Severity::Error => "logStatusError",
-        Severity::Fatal => "logStatusFatal",
     }
 }
 
@@ -123,7 +107,7 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("unknown cause")
 }
 
-/// Runs `body` for `function` on the component `c`.
+/// Runs `body` for `function`, with which messages begin, on the component `c`.
 unsafe fn call(
     c: fmi2Component,
     function: Function,
@@ -142,7 +126,7 @@ unsafe fn call(
     .unwrap_or_else(|panic| {
         Err(Refusal {
             severity: Severity::Fatal,
-            message: format!("{function}: internal error: {}", panic_text(&*panic)),
+            message: format!("internal error: {}", panic_text(&*panic)),
         })
     });
     for (severity, text) in component.instance.take_events() {
@@ -152,9 +136,9 @@ unsafe fn call(
         return fmi2OK;
     };
     component.instance.fail(&mut refusal);
-    let Refusal { severity, message } = refusal;
-    component.log.write(severity, &message);
-    severity as fmi2Status
+    let text = format!("{function:?}: {refusal}");
+    component.log.write(refusal.severity, &text);
+    refusal.severity as fmi2Status
 }
 
 /// Refuses what cannot be an array of `count` items; null is legal for none.
@@ -221,100 +205,62 @@ unsafe fn text<'a>(data: *const c_char, what: &str) -> Result<&'a str, Refusal> 
     std::str::from_utf8(bytes).or_else(|_| refuse("is not UTF-8"))
 }
 
-/// Takes the instance to `state`.
-unsafe fn enter(c: fmi2Component, function: Function, state: State) -> fmi2Status {
-    call(c, function, |c| {
-        c.instance.enter(state);
-        Ok(())
-    })
-}
-
-/// Copies values to the host.
-unsafe fn get<T>(
-    c: fmi2Component,
-    function: Function,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut T,
-    convert: impl Fn(f64) -> T,
-) -> fmi2Status {
-    call(c, function, |c| {
+impl Component {
+    /// Copies values of variables of `kind` to the host.
+    unsafe fn get<T>(
+        &mut self,
+        kind: Kind,
+        vr: *const fmi2ValueReference,
+        nvr: usize,
+        value: *mut T,
+        convert: impl Fn(f64) -> T,
+    ) -> Result<(), Refusal> {
         let mut put = writer(value, nvr)?;
         let references = array(vr, nvr, "vr")?;
-        c.instance.get(function, references, |x| put(convert(x)))
-    })
-}
+        self.instance.get(kind, references, |x| put(convert(x)))
+    }
 
-/// Sets variables to the host's values.
-unsafe fn set<T: Copy + Into<f64>>(
-    c: fmi2Component,
-    function: Function,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const T,
-) -> fmi2Status {
-    call(c, function, |c| {
+    /// Sets variables of `kind` to the host's values.
+    unsafe fn set<T: Copy + Into<f64>>(
+        &mut self,
+        kind: Kind,
+        vr: *const fmi2ValueReference,
+        nvr: usize,
+        value: *const T,
+    ) -> Result<(), Refusal> {
         let (references, values) = (array(vr, nvr, "vr")?, array(value, nvr, "value")?);
-        c.instance.set(function, references, values)
-    })
-}
+        self.instance.set(kind, references, values)
+    }
 
-/// Refuses any variable: there are none of type String.
-unsafe fn no_strings(
-    c: fmi2Component,
-    function: Function,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-) -> fmi2Status {
-    call(c, function, |c| {
-        c.instance.get(function, array(vr, nvr, "vr")?, drop)
-    })
-}
-
-/// The answer to the one question of this type that the FMU has a status for, if `kind` is that one.
-unsafe fn get_status<T>(
-    c: fmi2Component,
-    function: Function,
-    kind: fmi2StatusKind,
-    known: Option<fmi2StatusKind>,
-    value: *mut T,
-    answer: impl FnOnce(&Instance) -> T,
-) -> fmi2Status {
-    call(c, function, |c| {
-        if Some(kind) == known {
-            return put(value, answer(&c.instance));
-        }
-        Err(Refusal::discard(format!(
-            "{function}: the unit has no status of kind {kind}"
-        )))
-    })
-}
-
-/// Refuses any item: there are no continuous states and no event indicators.
-unsafe fn none_of(c: fmi2Component, function: Function, count: usize) -> fmi2Status {
-    call(c, function, |_| match count {
-        0 => Ok(()),
-        _ => Err(Refusal::error(format!(
-            "{function}: {count} items; this unit has no continuous states and no event indicators"
-        ))),
-    })
-}
-
-/// What fmi2GetStatus says of the last step.
-fn status_of_step(instance: &Instance) -> fmi2Status {
-    match instance.state() {
-        State::Error => fmi2Error,
-        _ => fmi2OK,
+    fn enter(&mut self, state: State) -> Result<(), Refusal> {
+        self.instance.enter(state);
+        Ok(())
     }
 }
 
-/// Exports that pass their arguments on to one of the functions above: `name(arguments) = function(what it gets)`.
+/// Refuses any item of what this FMU has none of.
+fn none(count: usize) -> Result<(), Refusal> {
+    match count {
+        0 => Ok(()),
+        _ => Err(Refusal::error(format!(
+            "{count} items; this FMU has no String variables, no continuous states and no event indicators"
+        ))),
+    }
+}
+
+/// A status that this FMU does not have.
+fn no_status(kind: fmi2StatusKind) -> Result<(), Refusal> {
+    let text = format!("the FMU has no status of kind {kind}");
+    Err(Refusal::discard(text))
+}
+
+/// Exports of the interface that take a component `c`: `body` runs inside [`call`].
 macro_rules! exports {
-    ($($(#[$doc:meta])* $name:ident($($argument:ident: $type:ty),*) = $function:ident($which:ident $(, $passed:expr)*);)+) => {$(
+    ($($(#[$doc:meta])* fn $name:ident($c:ident $(, $argument:ident: $type:ty)* $(,)?) $body:block)+) => {$(
         $(#[$doc])*
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(c: fmi2Component $(, $argument: $type)*) -> fmi2Status {
-            $function(c, Function::$which $(, $passed)*)
+            call(c, Function::$name, |$c| $body)
         }
     )+};
 }
@@ -322,81 +268,235 @@ macro_rules! exports {
 type References = *const fmi2ValueReference;
 
 exports! {
+    /// Switches log categories, all of them if none is named.
+    fn fmi2SetDebugLogging(c, on: fmi2Boolean, count: usize, categories: *const fmi2String) {
+        let names = array(categories, count, "categories")?.iter();
+        let names = names.map(|name| text(*name, "a log category"));
+        c.log.switch(on != 0, &names.collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// Start and stop time; the tolerance is of no use here, since nothing is integrated.
+    fn fmi2SetupExperiment(
+        c,
+        _tolerance_defined: fmi2Boolean,
+        _tolerance: fmi2Real,
+        start: fmi2Real,
+        stop_defined: fmi2Boolean,
+        stop: fmi2Real,
+    ) {
+        c.instance.setup(start, (stop_defined != 0).then_some(stop))
+    }
+
     /// Opens the initialization.
-    fmi2EnterInitializationMode() = enter(EnterInitializationMode, State::InitializationMode);
-    /// Closes the initialization: checks the parameters and latches the phases of the teeth.
-    fmi2ExitInitializationMode() = call(ExitInitializationMode, |c| c.instance.exit_initialization());
+    fn fmi2EnterInitializationMode(c) { c.enter(State::InitializationMode) }
+
+    /// Closes the initialization: checks the parameters and takes the phase offset of the teeth.
+    fn fmi2ExitInitializationMode(c) { c.instance.exit_initialization() }
+
     /// Ends the simulation.
-    fmi2Terminate() = enter(Terminate, State::Terminated);
+    fn fmi2Terminate(c) { c.enter(State::Terminated) }
+
     /// Back to the state after fmi2Instantiate.
-    fmi2Reset() = call(Reset, |c| { c.instance.reset(); Ok(()) });
-    /// The host handles an event: inputs and tunable parameters may jump.
-    fmi2EnterEventMode() = enter(EnterEventMode, State::EventMode);
-    /// The host integrates.
-    fmi2EnterContinuousTimeMode() = enter(EnterContinuousTimeMode, State::ContinuousTimeMode);
+    fn fmi2Reset(c) {
+        c.instance.reset();
+        Ok(())
+    }
 
     /// Values of Real variables.
-    fmi2GetReal(vr: References, nvr: usize, value: *mut fmi2Real) = get(GetReal, vr, nvr, value, |x| x);
+    fn fmi2GetReal(c, vr: References, nvr: usize, value: *mut fmi2Real) {
+        c.get(Kind::Real, vr, nvr, value, |x| x)
+    }
+
     /// Values of Integer and Enumeration variables.
-    fmi2GetInteger(vr: References, nvr: usize, value: *mut fmi2Integer) =
-        get(GetInteger, vr, nvr, value, |x| x as i32);
+    fn fmi2GetInteger(c, vr: References, nvr: usize, value: *mut fmi2Integer) {
+        c.get(Kind::Enumeration, vr, nvr, value, |x| x as i32)
+    }
+
     /// Values of Boolean variables.
-    fmi2GetBoolean(vr: References, nvr: usize, value: *mut fmi2Boolean) =
-        get(GetBoolean, vr, nvr, value, |x| x as i32);
+    fn fmi2GetBoolean(c, vr: References, nvr: usize, value: *mut fmi2Boolean) {
+        c.get(Kind::Boolean, vr, nvr, value, |x| x as i32)
+    }
+
     /// Refuses any variable: there are none of type String.
-    fmi2GetString(vr: References, nvr: usize, _value: *mut fmi2String) = no_strings(GetString, vr, nvr);
+    fn fmi2GetString(_c, _vr: References, nvr: usize, _value: *mut fmi2String) { none(nvr) }
+
     /// Sets Real inputs and parameters.
-    fmi2SetReal(vr: References, nvr: usize, value: *const fmi2Real) = set(SetReal, vr, nvr, value);
+    fn fmi2SetReal(c, vr: References, nvr: usize, value: *const fmi2Real) {
+        c.set(Kind::Real, vr, nvr, value)
+    }
+
     /// Sets Enumeration parameters.
-    fmi2SetInteger(vr: References, nvr: usize, value: *const fmi2Integer) = set(SetInteger, vr, nvr, value);
+    fn fmi2SetInteger(c, vr: References, nvr: usize, value: *const fmi2Integer) {
+        c.set(Kind::Enumeration, vr, nvr, value)
+    }
+
     /// Sets Boolean parameters.
-    fmi2SetBoolean(vr: References, nvr: usize, value: *const fmi2Boolean) = set(SetBoolean, vr, nvr, value);
+    fn fmi2SetBoolean(c, vr: References, nvr: usize, value: *const fmi2Boolean) {
+        c.set(Kind::Boolean, vr, nvr, value)
+    }
+
     /// Refuses any variable: there are none of type String.
-    fmi2SetString(vr: References, nvr: usize, _value: *const fmi2String) = no_strings(SetString, vr, nvr);
+    fn fmi2SetString(_c, _vr: References, nvr: usize, _value: *const fmi2String) { none(nvr) }
+
+    /// Stores the state, over the given one if that is not null. A fmi2FMUstate is a number here, not an address.
+    fn fmi2GetFMUstate(c, state: *mut fmi2FMUstate) {
+        check_array(state, 1, "FMUstate")?;
+        let given = Some((*state).addr()).filter(|handle| *handle != 0);
+        put(state, ptr::without_provenance_mut(c.instance.store(given)?))
+    }
 
     /// Goes back to a stored state.
-    fmi2SetFMUstate(state: fmi2FMUstate) = call(SetFMUstate, |c| c.instance.restore(state.addr()));
+    fn fmi2SetFMUstate(c, state: fmi2FMUstate) { c.instance.restore(state.addr()) }
+
+    /// Frees a stored state and sets it to null; null is no state and nothing happens.
+    fn fmi2FreeFMUstate(c, state: *mut fmi2FMUstate) {
+        if !state.is_null() && !(*state).is_null() {
+            c.instance.discard((*state).addr())?;
+            *state = ptr::null_mut();
+        }
+        Ok(())
+    }
+
     /// Bytes that a stored state takes.
-    fmi2SerializedFMUstateSize(state: fmi2FMUstate, size: *mut usize) =
-        call(SerializedFMUstateSize, |c| put(size, c.instance.serialize(state.addr())?.len()));
+    fn fmi2SerializedFMUstateSize(c, state: fmi2FMUstate, size: *mut usize) {
+        put(size, c.instance.serialize(state.addr())?.len())
+    }
+
+    /// Writes a stored state as bytes.
+    fn fmi2SerializeFMUstate(c, state: fmi2FMUstate, bytes: *mut fmi2Byte, size: usize) {
+        let written = c.instance.serialize(state.addr())?;
+        let needed = written.len();
+        if size < needed {
+            return Err(Refusal::error(format!("size = {size}; the state takes {needed} bytes")));
+        }
+        put_all(bytes.cast(), size, written)
+    }
+
+    /// Reads a state that this FMU wrote, in this process or another one.
+    fn fmi2DeSerializeFMUstate(c, bytes: *const fmi2Byte, size: usize, state: *mut fmi2FMUstate) {
+        check_array(state, 1, "FMUstate")?;
+        let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
+        put(state, ptr::without_provenance_mut(c.instance.deserialize(bytes)?))
+    }
+
+    /// Exact partial derivatives of outputs by inputs, times the seed.
+    fn fmi2GetDirectionalDerivative(
+        c,
+        unknown: References,
+        nUnknown: usize,
+        known: References,
+        nKnown: usize,
+        dvKnown: *const fmi2Real,
+        dvUnknown: *mut fmi2Real,
+    ) {
+        let known = array(known, nKnown, "vKnown_ref")?;
+        let seeds = array(dvKnown, nKnown, "dvKnown")?;
+        let unknown = array(unknown, nUnknown, "vUnknown_ref")?;
+        let slopes = c.instance.directional_derivative(unknown, known, seeds)?;
+        put_all(dvUnknown, nUnknown, slopes)
+    }
+
+    /// Time derivatives of inputs at the start of the next step.
+    fn fmi2SetRealInputDerivatives(
+        c,
+        vr: References,
+        nvr: usize,
+        order: *const fmi2Integer,
+        value: *const fmi2Real,
+    ) {
+        let (orders, values) = (array(order, nvr, "order")?, array(value, nvr, "value")?);
+        let references = array(vr, nvr, "vr")?;
+        c.instance.set_input_derivatives(references, orders, values)
+    }
+
+    /// First time derivatives of outputs at the end of the last step.
+    fn fmi2GetRealOutputDerivatives(
+        c,
+        vr: References,
+        nvr: usize,
+        order: *const fmi2Integer,
+        value: *mut fmi2Real,
+    ) {
+        let (references, orders) = (array(vr, nvr, "vr")?, array(order, nvr, "order")?);
+        put_all(value, nvr, c.instance.output_derivatives(references, orders)?)
+    }
 
     /// One communication step.
-    fmi2DoStep(point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) =
-        call(DoStep, |c| c.instance.do_step(point, step));
+    fn fmi2DoStep(c, point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) {
+        c.instance.do_step(point, step)
+    }
+
     /// Refused: a step is never in progress when a call returns.
-    fmi2CancelStep() = call(CancelStep, |_| Ok(()));
+    fn fmi2CancelStep(_c) { Ok(()) }
+
     /// Status of the last step; pending steps there are none.
-    fmi2GetStatus(kind: fmi2StatusKind, value: *mut fmi2Status) =
-        get_status(GetStatus, kind, Some(fmi2DoStepStatus), value, status_of_step);
+    fn fmi2GetStatus(c, kind: fmi2StatusKind, value: *mut fmi2Status) {
+        match (kind, c.instance.state()) {
+            (fmi2DoStepStatus, State::Error) => put(value, fmi2Error),
+            (fmi2DoStepStatus, _) => put(value, fmi2OK),
+            _ => no_status(kind),
+        }
+    }
+
     /// Time up to which the last step came.
-    fmi2GetRealStatus(kind: fmi2StatusKind, value: *mut fmi2Real) =
-        get_status(GetRealStatus, kind, Some(fmi2LastSuccessfulTime), value, Instance::time);
+    fn fmi2GetRealStatus(c, kind: fmi2StatusKind, value: *mut fmi2Real) {
+        match kind {
+            fmi2LastSuccessfulTime => put(value, c.instance.time()),
+            _ => no_status(kind),
+        }
+    }
+
     /// Discards: there is no status of type Integer.
-    fmi2GetIntegerStatus(kind: fmi2StatusKind, value: *mut fmi2Integer) =
-        get_status(GetIntegerStatus, kind, None, value, |_| 0);
+    fn fmi2GetIntegerStatus(_c, kind: fmi2StatusKind, _value: *mut fmi2Integer) { no_status(kind) }
+
     /// Whether the FMU wants to end the simulation: never.
-    fmi2GetBooleanStatus(kind: fmi2StatusKind, value: *mut fmi2Boolean) =
-        get_status(GetBooleanStatus, kind, Some(fmi2Terminated), value, |_| 0);
+    fn fmi2GetBooleanStatus(_c, kind: fmi2StatusKind, value: *mut fmi2Boolean) {
+        match kind {
+            fmi2Terminated => put(value, 0),
+            _ => no_status(kind),
+        }
+    }
+
     /// Discards: there is no pending step to report on.
-    fmi2GetStringStatus(kind: fmi2StatusKind, value: *mut fmi2String) =
-        get_status(GetStringStatus, kind, None, value, |_| ptr::null());
+    fn fmi2GetStringStatus(_c, kind: fmi2StatusKind, _value: *mut fmi2String) { no_status(kind) }
+
+    /// The host handles an event: inputs and tunable parameters may jump.
+    fn fmi2EnterEventMode(c) { c.enter(State::EventMode) }
 
     /// There are no discrete states: one iteration is enough, and no event is to come.
-    fmi2NewDiscreteStates(info: *mut fmi2EventInfo) =
-        call(NewDiscreteStates, |_| put(info, fmi2EventInfo::default()));
+    fn fmi2NewDiscreteStates(_c, info: *mut fmi2EventInfo) { put(info, fmi2EventInfo::default()) }
+
+    /// The host integrates.
+    fn fmi2EnterContinuousTimeMode(c) { c.enter(State::ContinuousTimeMode) }
+
+    /// Requests nothing, and need not be called: outputs depend on nothing that came before.
+    fn fmi2CompletedIntegratorStep(
+        _c,
+        _no_set_state_prior: fmi2Boolean,
+        event: *mut fmi2Boolean,
+        end: *mut fmi2Boolean,
+    ) {
+        put(event, 0)?;
+        put(end, 0)
+    }
+
     /// The time, on which nothing depends.
-    fmi2SetTime(time: fmi2Real) = call(SetTime, |c| c.instance.set_time(time));
+    fn fmi2SetTime(c, time: fmi2Real) { c.instance.set_time(time) }
+
     /// There are no continuous states.
-    fmi2SetContinuousStates(_x: *const fmi2Real, nx: usize) = none_of(SetContinuousStates, nx);
+    fn fmi2SetContinuousStates(_c, _x: *const fmi2Real, nx: usize) { none(nx) }
+
     /// There are no continuous states.
-    fmi2GetDerivatives(_derivatives: *mut fmi2Real, nx: usize) = none_of(GetDerivatives, nx);
+    fn fmi2GetDerivatives(_c, _derivatives: *mut fmi2Real, nx: usize) { none(nx) }
+
     /// There are no event indicators.
-    fmi2GetEventIndicators(_indicators: *mut fmi2Real, ni: usize) = none_of(GetEventIndicators, ni);
+    fn fmi2GetEventIndicators(_c, _indicators: *mut fmi2Real, ni: usize) { none(ni) }
+
     /// There are no continuous states.
-    fmi2GetContinuousStates(_x: *mut fmi2Real, nx: usize) = none_of(GetContinuousStates, nx);
+    fn fmi2GetContinuousStates(_c, _x: *mut fmi2Real, nx: usize) { none(nx) }
+
     /// There are no continuous states.
-    fmi2GetNominalsOfContinuousStates(_nominals: *mut fmi2Real, nx: usize) =
-        none_of(GetNominalsOfContinuousStates, nx);
+    fn fmi2GetNominalsOfContinuousStates(_c, _nominals: *mut fmi2Real, nx: usize) { none(nx) }
 }
 
 /// The platform of the types, "default".
@@ -459,7 +559,7 @@ fn instantiate(
         fmi2CoSimulation => Interface::CoSimulation,
         _ => {
             return Err(Refusal::error(format!(
-                "fmuType = {kind}; this unit is for model exchange ({fmi2ModelExchange}) \
+                "fmuType = {kind}; this FMU is for model exchange ({fmi2ModelExchange}) \
                  and co-simulation ({fmi2CoSimulation})"
             )));
         }
@@ -484,166 +584,6 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     }));
 }
 
-/// Switches log categories, all of them if none is named.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetDebugLogging(
-    c: fmi2Component,
-    on: fmi2Boolean,
-    count: usize,
-    categories: *const fmi2String,
-) -> fmi2Status {
-    call(c, Function::SetDebugLogging, |c| {
-        let names = array(categories, count, "categories")?.iter();
-        let names = names.map(|name| text(*name, "a log category"));
-        c.log
-            .switch(on != 0, &names.collect::<Result<Vec<_>, _>>()?)
-    })
-}
-
-/// Start and stop time; the tolerance is of no use here, since nothing is integrated.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetupExperiment(
-    c: fmi2Component,
-    _tolerance_defined: fmi2Boolean,
-    _tolerance: fmi2Real,
-    start: fmi2Real,
-    stop_defined: fmi2Boolean,
-    stop: fmi2Real,
-) -> fmi2Status {
-    call(c, Function::SetupExperiment, |c| {
-        c.instance.setup(start, (stop_defined != 0).then_some(stop))
-    })
-}
-
-/// Stores the state, over the given one if that is not null. A fmi2FMUstate is a number here, not an address.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    call(c, Function::GetFMUstate, |c| {
-        check_array(state, 1, "FMUstate")?;
-        let given = Some((*state).addr()).filter(|handle| *handle != 0);
-        put(state, ptr::without_provenance_mut(c.instance.store(given)?))
-    })
-}
-
-/// Frees a stored state and sets it to null; null is no state and nothing happens.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(
-    c: fmi2Component,
-    state: *mut fmi2FMUstate,
-) -> fmi2Status {
-    call(c, Function::FreeFMUstate, |c| {
-        if !state.is_null() && !(*state).is_null() {
-            c.instance.discard((*state).addr())?;
-            *state = ptr::null_mut();
-        }
-        Ok(())
-    })
-}
-
-/// Writes a stored state as bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    c: fmi2Component,
-    state: fmi2FMUstate,
-    bytes: *mut fmi2Byte,
-    size: usize,
-) -> fmi2Status {
-    call(c, Function::SerializeFMUstate, |c| {
-        let written = c.instance.serialize(state.addr())?;
-        if size < written.len() {
-            let needed = written.len();
-            return Err(Refusal::error(format!(
-                "size = {size}; the state takes {needed} bytes"
-            )));
-        }
-        put_all(bytes.cast(), size, written)
-    })
-}
-
-/// Reads a state that this FMU wrote, in this process or another one.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    c: fmi2Component,
-    bytes: *const fmi2Byte,
-    size: usize,
-    state: *mut fmi2FMUstate,
-) -> fmi2Status {
-    call(c, Function::DeSerializeFMUstate, |c| {
-        check_array(state, 1, "FMUstate")?;
-        let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
-        let handle = c.instance.deserialize(bytes)?;
-        put(state, ptr::without_provenance_mut(handle))
-    })
-}
-
-/// Exact partial derivatives of outputs by inputs, times the seed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
-    c: fmi2Component,
-    unknown: *const fmi2ValueReference,
-    nUnknown: usize,
-    known: *const fmi2ValueReference,
-    nKnown: usize,
-    dvKnown: *const fmi2Real,
-    dvUnknown: *mut fmi2Real,
-) -> fmi2Status {
-    call(c, Function::GetDirectionalDerivative, |c| {
-        let known = array(known, nKnown, "vKnown_ref")?;
-        let seeds = array(dvKnown, nKnown, "dvKnown")?;
-        let unknown = array(unknown, nUnknown, "vUnknown_ref")?;
-        let slopes = c.instance.directional_derivative(unknown, known, seeds)?;
-        put_all(dvUnknown, nUnknown, slopes)
-    })
-}
-
-/// Time derivatives of inputs at the start of the next step.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    order: *const fmi2Integer,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    call(c, Function::SetRealInputDerivatives, |c| {
-        let orders = array(order, nvr, "order")?;
-        let values = array(value, nvr, "value")?;
-        let references = array(vr, nvr, "vr")?;
-        c.instance.set_input_derivatives(references, orders, values)
-    })
-}
-
-/// First time derivatives of outputs at the end of the last step.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    order: *const fmi2Integer,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    call(c, Function::GetRealOutputDerivatives, |c| {
-        let orders = array(order, nvr, "order")?;
-        let references = array(vr, nvr, "vr")?;
-        let slopes = c.instance.output_derivatives(references, orders)?;
-        put_all(value, nvr, slopes)
-    })
-}
-
-/// Requests nothing, and need not be called: outputs depend on nothing that came before.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
-    c: fmi2Component,
-    _no_set_state_prior: fmi2Boolean,
-    event: *mut fmi2Boolean,
-    end: *mut fmi2Boolean,
-) -> fmi2Status {
-    call(c, Function::CompletedIntegratorStep, |_| {
-        put(event, 0)?;
-        put(end, 0)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -661,34 +601,14 @@ mod tests {
     }
 
     #[test]
-    fn refusals_are_logged_until_they_are_switched_off_by_name() {
+    fn log_categories_are_in_the_order_of_the_severities() {
         use Severity::*;
         let severities = [Event, Warning, Discard, Error, Fatal];
         let statuses = [fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal];
-        for (severity, status) in severities.into_iter().zip(statuses) {
-            assert_eq!(severity as fmi2Status, status);
-            assert!(LOG_CATEGORIES.contains(&category(severity)));
-        }
-        let mut log = log(None);
-        let unknown = log.switch(true, &[EVENTS, "logNonsense"]).unwrap_err();
-        assert!(unknown.message.contains("logNonsense"));
-        let on = |log: &Log, name: &str| {
-            let i = LOG_CATEGORIES.iter().position(|c| *c == name);
-            log.is_on[i.unwrap()]
-        };
-        assert!(on(&log, "logStatusError") && !on(&log, EVENTS));
-        for (switched, names, error, events) in [
-            (true, &[][..], true, true),
-            (false, &[], true, false),
-            (true, &[EVENTS], true, true),
-            (false, &["logStatusError"], false, true),
-            (false, &[], false, false),
-        ] {
-            log.switch(switched, names).unwrap();
-            let found = [on(&log, "logStatusError"), on(&log, EVENTS)];
-            assert_eq!(found, [error, events]);
-            assert!(on(&log, "logStatusFatal"));
-        }
+        assert_eq!(severities.map(|s| s as fmi2Status), statuses);
+        let names = ["Warning", "Discard", "Error", "Fatal"].map(|s| format!("logStatus{s}"));
+        assert_eq!(LOG_CATEGORIES[0], "logEvents");
+        assert_eq!(LOG_CATEGORIES[1..], names);
     }
 
     #[test]
@@ -749,7 +669,9 @@ mod tests {
     fn a_panic_inside_a_call_is_fatal_to_the_instance_and_to_nothing_else() {
         let (broken, other) = (component(), component());
         unsafe {
-            let status = call(broken, Function::Reset, |_| panic!("forced by the test"));
+            let status = call(broken, Function::fmi2Reset, |_| {
+                panic!("forced by the test")
+            });
             assert_eq!(status, fmi2Fatal);
             let logged = std::mem::take(&mut *LOGGED.lock().unwrap());
             let text = "fmi2Reset: internal error: forced by the test";

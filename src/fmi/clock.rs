@@ -1,7 +1,6 @@
 //! Communication points.
 
 use super::Refusal;
-use super::lifecycle::Function;
 use super::variables::check_finite;
 
 /// Units in the last place by which the host's communication point may differ from ours. Its own point counts at every
@@ -33,7 +32,7 @@ impl Clock {
     /// # Errors
     /// Times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
-        check_finite(Function::SetupExperiment, "startTime", start)?;
+        check_finite("startTime", start)?;
         if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
             return Err(Refusal::error(format!(
                 "stopTime = {stop} lies before startTime = {start}"
@@ -53,7 +52,7 @@ impl Clock {
     /// # Errors
     /// A time that is not finite.
     pub fn set(&mut self, time: f64) -> Result<(), Refusal> {
-        check_finite(Function::SetTime, "time", time)?;
+        check_finite("time", time)?;
         self.time = time;
         Ok(())
     }
@@ -63,7 +62,7 @@ impl Clock {
     /// # Errors
     /// A step that is not positive, does not start where the last one ended, or passes the stop time.
     pub fn after(&self, point: f64, step: f64) -> Result<Self, Refusal> {
-        let refuse = |reason: String| Err(Refusal::error(format!("fmi2DoStep: {reason}")));
+        let refuse = |reason: String| Err(Refusal::error(reason));
         if !step.is_finite() || step <= 0.0 {
             return refuse(format!(
                 "communicationStepSize = {step}; it must be positive and finite"

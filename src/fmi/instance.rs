@@ -1,27 +1,26 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
-//! Outputs and their derivatives are a pure function of inputs, parameters, phase zeros and, with `coupling`, of the last step.
+//! Outputs and their derivatives are a pure function of inputs, parameters, phase offsets and, with `coupling`, of the last step.
 //! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time.
 
+use std::collections::HashMap;
 use std::sync::Arc;
-
-use nalgebra::SVector;
 
 use super::clock::Clock;
 use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
 use super::lifecycle::{Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
-use super::state::{InstanceState, StoredStates};
+use super::state::{InstanceState, new_handle, unknown};
 use super::variables::{
-    Causality, FIRST_PARAMETER, INPUTS, VARIABLES, Variability, Variable, check_finite,
+    Causality, FIRST_PARAMETER, INPUTS, Kind, VARIABLES, Variability, Variable, check_finite,
     check_value, find, index, index_of, output_row,
 };
 use super::{Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Element, ElementError, Formulation, Inputs,
-    Jacobian, Latch, Loads, Outputs, Prediction, Step, StepRequest, Workspace,
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, ElementError, Formulation,
+    Inputs, Jacobian, Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -29,7 +28,8 @@ use crate::words::number;
 pub struct Instance {
     pub(super) resources: Arc<Resources>,
     pub(super) state: InstanceState,
-    stored: StoredStates,
+    /// By handle, see [`Instance::store`].
+    stored: HashMap<usize, InstanceState>,
     /// Those of the parameters in `state`.
     settings: Settings,
     /// Made with the settings when first needed.
@@ -42,7 +42,8 @@ pub struct Instance {
     /// At the present state, if they were evaluated.
     outputs: Option<Evaluated>,
     slopes: Box<Jacobian>,
-    slopes_made: SlopesMade,
+    /// `None`: the slopes are not those of the present state; whether they have the row of the stiffness.
+    slopes_with_stiffness: Option<bool>,
     /// How often the gears left the range, for the log.
     departures: usize,
     /// Whether the log has a warning that the master does not step as `coupling` says.
@@ -58,43 +59,28 @@ struct Evaluated {
     rows: [f64; CONTINUOUS_OUTPUTS],
 }
 
-/// What of the derivatives is that of the present state.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-enum SlopesMade {
-    None,
-    /// All but the row of the stiffness.
-    WithoutStiffness,
-    All,
-}
-
 /// The element and what it evaluates: the motions of the present inputs.
 struct Ready<'a> {
     element: &'a Element,
     motions: &'a Inputs,
-    /// Phase zeros; `None`: those of the present pose.
-    latch: Option<Latch>,
+    /// Phase offsets; `None`: those of the present pose.
+    phase_offset: Option<PhaseOffset>,
     last_step: Option<&'a Step>,
     workspace: &'a mut Workspace,
     slopes: &'a mut Jacobian,
 }
 
 impl Ready<'_> {
-    fn latch(&self) -> Result<Latch, ElementError> {
-        match self.latch {
-            Some(latch) => Ok(latch),
-            None => self.element.latch(self.motions),
+    fn phase_offset(&self) -> Result<PhaseOffset, ElementError> {
+        match self.phase_offset {
+            Some(phase) => Ok(phase),
+            None => self.element.phase_offset(self.motions),
         }
     }
 }
 
-/// A direction in the space of the motions of gear 1, gear 2 and carrier, as the columns of [`Jacobian`].
-type Direction = SVector<f64, { BODIES.len() * BODY_COLUMNS }>;
-
 /// Warnings that the gears have left the range, of one instance.
 const MOST_WARNINGS: usize = 100;
-
-/// In SI units; beyond it lies no position, angle or speed of a gear.
-const OUT_OF_PROPORTION: f64 = 1e12;
 
 /// Order of the output derivatives that are offered.
 const OUTPUT_ORDER: i32 = 1;
@@ -117,19 +103,19 @@ impl Instance {
                 clock: Clock::default(),
                 inputs: InputValues::new(resources.starts.inputs),
                 parameters: resources.starts.parameters,
-                latch: None,
+                phase_offset: None,
                 step: None,
                 loads: None,
                 out_of_range: false,
             },
-            stored: StoredStates::default(),
+            stored: HashMap::new(),
             settings: resources.starts.settings.clone(),
             element: None,
             workspace: Workspace::default(),
             motions: Inputs::default(),
             outputs: None,
             slopes: Box::new(Jacobian::zeros()),
-            slopes_made: SlopesMade::None,
+            slopes_with_stiffness: None,
             departures: 0,
             warned: false,
             discarded: None,
@@ -172,8 +158,7 @@ impl Instance {
     /// Names the state and where the function is allowed, or the interface it belongs to.
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
-        let refusal = function.refusal(self.state(), self.state.interface);
-        refusal.map_or(Ok(()), |message| Err(Refusal::error(message)))
+        function.admit(self.state(), self.state.interface)
     }
 
     /// fmi2SetupExperiment.
@@ -202,32 +187,35 @@ impl Instance {
     /// # Errors
     /// Parameters or poses that make no mesh; phases are as before.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        let outcome = self.take_phases();
-        if outcome.is_err() {
-            self.state.latch = None;
-            self.changed();
-        }
-        let (center_distance, mesh_position) = outcome?;
+        let ready = self.ready()?;
+        let phase = ready.element.start(ready.motions)?;
+        self.state.phase_offset = Some(phase);
+        self.changed();
+        let outputs = self.outputs().map(|outputs| outputs.all);
+        let outputs = match outputs {
+            Ok(outputs) => outputs,
+            Err(refusal) => {
+                self.state.phase_offset = None;
+                return Err(refusal);
+            }
+        };
         self.watch_range();
         self.state.state = match self.state.interface {
             Interface::CoSimulation => State::StepComplete,
             Interface::ModelExchange => State::EventMode,
         };
-        let (time, name) = (self.time(), &self.resources.unit.name);
         let text = format!(
-            "initialized at t = {time} s: pair {name}, centre distance {center_distance} m, mesh position {mesh_position}"
+            "initialized: pair {}, centre distance {} m, mesh position {}",
+            self.resources.unit.name, outputs.center_distance, outputs.mesh_position
         );
-        self.events.push((Severity::Event, text));
+        self.report(Severity::Event, &text);
         Ok(())
     }
 
-    /// Takes the phases of the present pose. Centre distance and mesh position there.
-    fn take_phases(&mut self) -> Result<(f64, f64), Refusal> {
-        let ready = self.ready()?;
-        self.state.latch = Some(ready.element.start(ready.motions)?);
-        self.changed();
-        let outputs = &self.outputs()?.all;
-        Ok((outputs.center_distance, outputs.mesh_position))
+    /// Leaves a message for the log.
+    fn report(&mut self, severity: Severity, text: &str) {
+        let text = format!("t = {} s: {text}", number(self.time()));
+        self.events.push((severity, text));
     }
 
     /// fmi2Reset: as after fmi2Instantiate; stored states stay valid.
@@ -246,7 +234,12 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
-        self.stored.store(handle, self.state.clone())
+        if let Some(handle) = handle {
+            self.stored(handle)?;
+        }
+        let handle = handle.unwrap_or_else(new_handle);
+        self.stored.insert(handle, self.state.clone());
+        Ok(handle)
     }
 
     /// fmi2SetFMUstate.
@@ -254,7 +247,7 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
-        self.go_to(self.stored.get(handle)?.clone())
+        self.go_to(self.stored(handle)?.clone())
     }
 
     /// fmi2FreeFMUstate.
@@ -262,7 +255,7 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn discard(&mut self, handle: usize) -> Result<(), Refusal> {
-        self.stored.discard(handle)
+        self.stored.remove(&handle).map(drop).ok_or_else(unknown)
     }
 
     /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
@@ -270,8 +263,7 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
-        let state = self.stored.get(handle)?;
-        Ok(state.to_bytes(&self.resources.unit.guid))
+        Ok(self.stored(handle)?.to_bytes(&self.resources.unit.guid))
     }
 
     /// fmi2DeSerializeFMUstate: a new handle.
@@ -281,13 +273,17 @@ impl Instance {
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
         state.check(self.state.interface)?;
-        self.stored.store(None, state)
+        let handle = new_handle();
+        self.stored.insert(handle, state);
+        Ok(handle)
+    }
+
+    fn stored(&self, handle: usize) -> Result<&InstanceState, Refusal> {
+        self.stored.get(&handle).ok_or_else(unknown)
     }
 
     /// Goes to a state of this FMU.
-    ///
-    /// # Errors
-    /// A state that no instance of this FMU and interface has made; nothing is changed.
+    /// Errors: a state that no instance of this FMU and interface has made; nothing is changed.
     pub(super) fn go_to(&mut self, state: InstanceState) -> Result<(), Refusal> {
         self.configure(state.check(self.state.interface)?);
         self.state = state;
@@ -296,11 +292,11 @@ impl Instance {
         Ok(())
     }
 
-    /// Inputs, parameters or phase zeros have changed: what was made of them is stale.
+    /// Inputs, parameters or phase offsets have changed: what was made of them is stale.
     #[inline]
     fn changed(&mut self) {
         self.outputs = None;
-        self.slopes_made = SlopesMade::None;
+        self.slopes_with_stiffness = None;
     }
 
     /// Takes other settings. An element in which only the damping differs stays: it is tunable, and tables are large.
@@ -317,14 +313,6 @@ impl Instance {
         self.settings = settings;
     }
 
-    /// fmi2SetReal; all or none.
-    ///
-    /// # Errors
-    /// As [`Instance::set`].
-    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        self.set(Function::SetReal, references, values)
-    }
-
     /// fmi2SetReal, fmi2SetInteger, which serves enumerations, and fmi2SetBoolean, with 0 and 1; all or none.
     ///
     /// # Errors
@@ -332,7 +320,7 @@ impl Instance {
     /// that may not be set now.
     pub fn set<T: Copy + Into<f64>>(
         &mut self,
-        function: Function,
+        kind: Kind,
         references: &[u32],
         values: &[T],
     ) -> Result<(), Refusal> {
@@ -341,18 +329,18 @@ impl Instance {
             let value = value.into();
             // Most hosts set all inputs in every step: they are Real, always settable and unbounded (tested in `variables`).
             if index_of(reference).is_some_and(|i| i < INPUTS)
-                && function == Function::SetReal
+                && kind == Kind::Real
                 && value.is_finite()
             {
                 continue;
             }
-            let i = find(function, reference)?;
-            self.check_settable(function, &VARIABLES[i])?;
-            check_value(function, &VARIABLES[i], value)?;
+            let i = find(kind, reference)?;
+            self.check_settable(&VARIABLES[i])?;
+            check_value(&VARIABLES[i], value)?;
             parameters.get_or_insert(self.state.parameters)[i - FIRST_PARAMETER] = value;
         }
         if let Some(parameters) = parameters {
-            self.configure(Settings::new(function, &parameters)?);
+            self.configure(Settings::new(&parameters)?);
             self.state.parameters = parameters;
         }
         let mut moved = false;
@@ -370,7 +358,7 @@ impl Instance {
         Ok(())
     }
 
-    fn check_settable(&self, function: Function, variable: &Variable) -> Result<(), Refusal> {
+    fn check_settable(&self, variable: &Variable) -> Result<(), Refusal> {
         let initial = matches!(
             self.state(),
             State::Instantiated | State::InitializationMode
@@ -388,16 +376,7 @@ impl Instance {
             }
             (Causality::Output, _) => "is an output and cannot be set",
         };
-        let name = variable.name;
-        Err(Refusal::error(format!("{function}: {name} {reason}")))
-    }
-
-    /// fmi2GetReal: calls `put` with each value.
-    ///
-    /// # Errors
-    /// As [`Instance::get`].
-    pub fn get_real(&mut self, references: &[u32], put: impl FnMut(f64)) -> Result<(), Refusal> {
-        self.get(Function::GetReal, references, put)
+        Err(Refusal::error(format!("{} {reason}", variable.name)))
     }
 
     /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
@@ -406,12 +385,12 @@ impl Instance {
     /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get(
         &mut self,
-        function: Function,
+        kind: Kind,
         references: &[u32],
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
         for &reference in references {
-            let i = find(function, reference)?;
+            let i = find(kind, reference)?;
             put(match output_row(i) {
                 Some(row) => self.outputs()?.rows[row],
                 None if i < INPUTS => self.state.inputs.get(i),
@@ -444,7 +423,7 @@ impl Instance {
         Ok(Ready {
             element: self.element.as_ref().expect("made above"),
             motions,
-            latch: self.state.latch,
+            phase_offset: self.state.phase_offset,
             last_step: self.state.step.as_ref(),
             workspace: &mut self.workspace,
             slopes: &mut self.slopes,
@@ -463,8 +442,8 @@ impl Instance {
                 }
                 (_, loads, _) => {
                     let ready = self.ready()?;
-                    let (latch, element) = (ready.latch()?, ready.element);
-                    let all = element.evaluate_from(&latch, ready.motions, ready.workspace)?;
+                    let (phase, element) = (ready.phase_offset()?, ready.element);
+                    let all = element.evaluate_from(&phase, ready.motions, ready.workspace)?;
                     (all, loads)
                 }
             };
@@ -493,21 +472,15 @@ impl Instance {
             effective_mass: self.settings.effective_mass,
         };
         let ready = self.ready()?;
-        let (latch, last) = (ready.latch()?, ready.last_step);
+        let (phase, last) = (ready.phase_offset()?, ready.last_step);
         let element = ready.element;
-        Ok(element.predict(&latch, ready.motions, last, &request, ready.workspace)?)
+        Ok(element.predict(&phase, ready.motions, last, &request, ready.workspace)?)
     }
 
     /// Of the output in `row`, or of `what` of it.
     fn not_finite(&self, what: &str, row: usize) -> Refusal {
         let what = format!("{what}{} is not finite", VARIABLES[INPUTS + row].name);
-        let i = self.state.inputs.largest();
-        if self.state.inputs.get(i).abs() > OUT_OF_PROPORTION {
-            return overflow(&self.state.inputs, i, &what);
-        }
-        Refusal::error(format!(
-            "{what}, though no input is out of proportion: check the parameters and the unit's tables"
-        ))
+        overflow(&self.state.inputs, self.state.inputs.largest(), &what)
     }
 
     /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
@@ -525,23 +498,22 @@ impl Instance {
         known: &[u32],
         seeds: &[f64],
     ) -> Result<Vec<f64>, Refusal> {
-        const FUNCTION: Function = Function::GetDirectionalDerivative;
-        let rows = rows(FUNCTION, unknown)?;
+        let rows = rows(unknown)?;
         let mut direction = Direction::zeros();
         let mut by_parameters = [0.0; CONTINUOUS_OUTPUTS];
         for (&reference, &seed) in known.iter().zip(seeds) {
-            let i = find(FUNCTION, reference)?;
+            let i = find(Kind::Real, reference)?;
             let name = VARIABLES[i].name;
-            check_finite(FUNCTION, &format!("the seed of {name}"), seed)?;
+            check_finite(&format!("the seed of {name}"), seed)?;
             if i < INPUTS {
                 let (column, change) = self.state.inputs.direction(i, self.settings.orientation);
                 let mut columns = direction.fixed_rows_mut::<3>(column);
                 columns += change * seed;
             } else if output_row(i).is_some() {
-                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
-            } else if self.state.latch.is_some() {
+                return Err(Refusal::error(format!("{name} is no input")));
+            } else if self.state.phase_offset.is_some() {
                 return Err(Refusal::error(format!(
-                    "{FUNCTION}: {name} is no input; by parameters there are derivatives in Initialization Mode alone"
+                    "{name} is no input; by parameters there are derivatives in Initialization Mode alone"
                 )));
             } else {
                 let slopes = self.by_parameter(i)?;
@@ -581,17 +553,19 @@ impl Instance {
     /// Derivatives of the outputs `rows` along `direction`. Before phases are taken those follow the pose.
     fn along(&mut self, rows: &[usize], direction: &Direction) -> Result<Vec<f64>, Refusal> {
         const STIFFNESS: usize = index::MESH_STIFFNESS - INPUTS;
-        let needed = match rows.contains(&STIFFNESS) {
-            true => SlopesMade::All,
-            false => SlopesMade::WithoutStiffness,
-        };
-        if self.slopes_made < needed {
-            self.slopes_made = SlopesMade::None;
-            let all = needed == SlopesMade::All;
+        let with_stiffness = rows.contains(&STIFFNESS);
+        if self.slopes_with_stiffness < Some(with_stiffness) {
+            self.slopes_with_stiffness = None;
             let ready = self.ready()?;
-            let (latch, element) = (ready.latch.as_ref(), ready.element);
-            element.slopes(latch, ready.motions, all, ready.slopes, ready.workspace)?;
-            self.slopes_made = needed;
+            let (phase, element) = (ready.phase_offset.as_ref(), ready.element);
+            element.slopes(
+                phase,
+                ready.motions,
+                with_stiffness,
+                ready.slopes,
+                ready.workspace,
+            )?;
+            self.slopes_with_stiffness = Some(with_stiffness);
         }
         let slopes: &Jacobian = &self.slopes;
         let slopes = slopes * direction;
@@ -613,22 +587,21 @@ impl Instance {
         orders: &[i32],
         values: &[f64],
     ) -> Result<(), Refusal> {
-        const FUNCTION: Function = Function::SetRealInputDerivatives;
         let mut inputs = self.state.inputs.clone();
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let i = find(FUNCTION, reference)?;
+            let i = find(Kind::Real, reference)?;
             let name = VARIABLES[i].name;
             if i >= INPUTS {
-                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
+                return Err(Refusal::error(format!("{name} is no input")));
             }
             let known = usize::try_from(order).ok();
             let known = known.filter(|order| (1..=MAXIMUM_ORDER).contains(order));
             let order = known.ok_or_else(|| {
                 Refusal::error(format!(
-                    "{FUNCTION}: order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
+                    "order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
                 ))
             })?;
-            check_finite(FUNCTION, &format!("derivative {order} of {name}"), value)?;
+            check_finite(&format!("derivative {order} of {name}"), value)?;
             inputs.set_derivative(i, order, value);
         }
         self.state.inputs = inputs;
@@ -646,10 +619,9 @@ impl Instance {
         references: &[u32],
         orders: &[i32],
     ) -> Result<Vec<f64>, Refusal> {
-        const FUNCTION: Function = Function::GetRealOutputDerivatives;
         if let Some(order) = orders.iter().find(|order| **order != OUTPUT_ORDER) {
             return Err(Refusal::error(format!(
-                "{FUNCTION}: order {order}; order {OUTPUT_ORDER} is offered"
+                "order {order}; order {OUTPUT_ORDER} is offered"
             )));
         }
         let mut direction = Direction::zeros();
@@ -659,7 +631,7 @@ impl Instance {
                 direction.fixed_rows_mut::<3>(column).copy_from(rate);
             }
         }
-        self.along(&rows(FUNCTION, references)?, &direction)
+        self.along(&rows(references)?, &direction)
     }
 
     /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
@@ -695,11 +667,10 @@ impl Instance {
             let prediction = self.predict(step)?;
             let outputs = self.evaluated(prediction.outputs, Some(&prediction.loads))?;
             if prediction.seems_sequential && !std::mem::replace(&mut self.warned, true) {
-                let time = number(self.time());
-                let text = format!(
-                    "t = {time} s: the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential"
+                self.report(
+                    Severity::Warning,
+                    "the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential",
                 );
-                self.events.push((Severity::Warning, text));
             }
             self.changed();
             self.outputs = Some(outputs);
@@ -707,7 +678,7 @@ impl Instance {
             return Ok(());
         };
         if let Some(i) = end.fault() {
-            let what = "fmi2DoStep: an input overflows within the step";
+            let what = "an input overflows within the step";
             return Err(overflow(&self.state.inputs, i, what));
         }
         let before = self.state.clone();
@@ -722,43 +693,32 @@ impl Instance {
 
     /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
     fn watch_range(&mut self) {
-        let Some(present) = &self.outputs else {
+        let Some(present) = self.outputs.as_ref().map(|outputs| outputs.all) else {
             return;
         };
-        let out_of_range = present.all.out_of_range.then_some(present.all);
-        if out_of_range.is_some() == self.state.out_of_range {
+        let out_of_range = present.out_of_range;
+        if std::mem::replace(&mut self.state.out_of_range, out_of_range) == out_of_range {
             return;
         }
-        self.state.out_of_range = out_of_range.is_some();
-        let time = number(self.time());
-        let (severity, text) = match out_of_range {
-            None => (Severity::Event, "in range again".to_owned()),
-            Some(outputs) => {
-                let reasons = match self.ready() {
-                    Ok(ready) => ready.element.out_of_range(ready.motions, &outputs),
-                    Err(_) => Ok(String::new()),
-                };
-                let reasons = reasons.unwrap_or_default();
-                self.departures += usize::from(!reasons.is_empty());
-                match self.departures {
-                    // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
-                    _ if reasons.is_empty() => {
-                        let text = "the load left the range of the table";
-                        (Severity::Event, text.to_owned())
-                    }
-                    ..=MOST_WARNINGS => (Severity::Warning, format!("out of range: {reasons}")),
-                    n if n == MOST_WARNINGS + 1 => {
-                        let text = format!(
-                            "out of range for the {n}th time: no more warnings of this follow"
-                        );
-                        (Severity::Warning, text)
-                    }
-                    _ => return,
-                }
-            }
+        if !out_of_range {
+            return self.report(Severity::Event, "in range again");
+        }
+        let reasons = match self.ready() {
+            Ok(ready) => ready.element.out_of_range(ready.motions, &present),
+            Err(_) => Ok(String::new()),
         };
-        self.events
-            .push((severity, format!("t = {time} s: {text}")));
+        let reasons = reasons.unwrap_or_default();
+        // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
+        if reasons.is_empty() {
+            return self.report(Severity::Event, "the load left the range of the table");
+        }
+        self.departures += 1;
+        if self.departures <= MOST_WARNINGS {
+            self.report(Severity::Warning, &format!("out of range: {reasons}"));
+        } else if self.departures == MOST_WARNINGS + 1 {
+            let text = "out of range once more: no more warnings of this follow";
+            self.report(Severity::Warning, text);
+        }
     }
 }
 
@@ -772,12 +732,11 @@ fn overflow(inputs: &InputValues, i: usize, what: &str) -> Refusal {
 }
 
 /// Rows of the outputs with these references.
-fn rows(function: Function, references: &[u32]) -> Result<Vec<usize>, Refusal> {
+fn rows(references: &[u32]) -> Result<Vec<usize>, Refusal> {
     let row = |&reference: &u32| {
-        let i = find(function, reference)?;
-        output_row(i).ok_or_else(|| {
-            Refusal::error(format!("{function}: {} is no output", VARIABLES[i].name))
-        })
+        let i = find(Kind::Real, reference)?;
+        let name = VARIABLES[i].name;
+        output_row(i).ok_or_else(|| Refusal::error(format!("{name} is no output")))
     };
     references.iter().map(row).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fmi::resources::tests::{constant_stiffness, instance as started};
-use crate::fmi::variables::Kind;
+
 use crate::table::TableFile;
 
 /// An instance on the tables of the paper's pair, in initialization mode, with its nominal centre distance.
@@ -28,12 +28,12 @@ fn reference(i: usize) -> u32 {
 }
 
 fn set(instance: &mut Instance, i: usize, value: f64) {
-    instance.set_real(&[reference(i)], &[value]).unwrap();
+    instance.set(Kind::Real, &[reference(i)], &[value]).unwrap();
 }
 
 fn get(instance: &mut Instance, i: usize) -> f64 {
     let mut value = f64::NAN;
-    let read = instance.get_real(&[reference(i)], |x| value = x);
+    let read = instance.get(Kind::Real, &[reference(i)], |x| value = x);
     read.unwrap();
     value
 }
@@ -47,37 +47,30 @@ fn warnings(instance: &mut Instance) -> Vec<String> {
 #[test]
 fn a_start_that_can_be_no_mesh_is_refused_with_its_value_and_what_would_be_right() {
     let nominal = on_tables(Interface::CoSimulation).1;
+    let [x, z] = [index::GEAR2_POSITION_1, index::GEAR2_POSITION_3];
+    let tilt = index::GEAR2_ANGLES_1;
+    let far = ["82104.000 mm (nominal 82.104 mm)", "in metres"];
+    let apart = [
+        "z = 30.000 mm of gear 1 (nominal 0.000 mm)",
+        "5.000 mm apart",
+    ];
     for (i, value, parts) in [
+        (x, 1e3 * nominal, &far[..]),
         (
-            index::GEAR2_POSITION_1,
-            1e3 * nominal,
-            &[
-                "centre distance 82104.000 mm (nominal 82.104 mm)",
-                "in metres",
-            ][..],
-        ),
-        (
-            index::GEAR2_POSITION_1,
+            x,
             nominal + 10e-3,
-            &["centre distance 92.104 mm (nominal 82.104 mm), in mesh below"],
+            &["92.104 mm (nominal 82.104 mm), in mesh below"],
         ),
+        (z, 30e-3, &apart),
         (
-            index::GEAR2_POSITION_3,
-            30e-3,
-            &[
-                "z = 30.000 mm of gear 1 (nominal 0.000 mm)",
-                "5.000 mm apart",
-            ],
-        ),
-        (
-            index::GEAR2_ANGLES_1,
+            tilt,
             2f64.to_radians(),
             &["jams the teeth", "misalignment", "mrad ("],
         ),
-        (index::GEAR2_POSITION_1, nominal + 1e-3, &[]),
-        (index::GEAR2_POSITION_1, nominal - 20e-6, &[]),
-        (index::GEAR2_POSITION_3, -10e-3, &[]),
-        (index::GEAR2_ANGLES_1, 1e-3, &[]),
+        (x, nominal + 1e-3, &[]),
+        (x, nominal - 20e-6, &[]),
+        (z, -10e-3, &[]),
+        (tilt, 1e-3, &[]),
         (index::GEAR2_ANGLES_2, -1e-3, &[]),
     ] {
         for mut instance in [
@@ -104,7 +97,7 @@ fn inputs_that_a_host_fills_with_zeros_are_refused_with_where_gear_2_belongs() {
         let start = format!("gear2.position[1] starts as {} m", geometry.center_distance);
         let mut instance = started(Interface::CoSimulation, geometry, None, &[]);
         let inputs: Vec<u32> = (0..48).collect();
-        instance.set_real(&inputs, &[0.0; 48]).unwrap();
+        instance.set(Kind::Real, &inputs, &[0.0; 48]).unwrap();
         let mut refused = instance.exit_initialization().unwrap_err();
         assert!(refused.message.contains(&start), "{refused}");
         instance.fail(&mut refused);
@@ -176,59 +169,10 @@ fn range_warnings_come_with_the_outputs_and_end_after_a_hundred() {
 }
 
 #[test]
-fn input_derivatives_hold_for_the_coming_step_whether_values_are_set_before_or_after() {
-    let turn = index::GEAR1_ANGLES_3;
-    let force = |sets: [bool; 2]| {
-        let mut instance = constant_stiffness(Interface::CoSimulation);
-        instance.exit_initialization().unwrap();
-        for is_value in sets {
-            if is_value {
-                set(&mut instance, turn, 1e-5);
-            } else {
-                let rate = instance.set_input_derivatives(&[reference(turn)], &[1], &[10.0]);
-                rate.unwrap();
-            }
-        }
-        instance.do_step(0.0, 1e-5).unwrap();
-        let first = get(&mut instance, index::MESH_NORMAL_FORCE);
-        // The next step has none.
-        instance.do_step(1e-5, 1e-5).unwrap();
-        assert_eq!(get(&mut instance, index::MESH_NORMAL_FORCE), first);
-        assert!((get(&mut instance, turn) - 1.1e-4).abs() < 1e-18);
-        first
-    };
-    let before = force([true, false]);
-    assert!(before > 100.0);
-    assert_eq!(force([false, true]), before);
-}
-
-#[test]
-fn a_pose_that_cannot_be_discards_the_step_and_the_same_again_is_an_error() {
-    let mut instance = constant_stiffness(Interface::CoSimulation);
-    instance.exit_initialization().unwrap();
-    for (tilt, step, severity) in [
-        (0.2, 1e-5, Severity::Discard),
-        (0.2, 5e-6, Severity::Discard),
-        (0.15, 5e-6, Severity::Discard),
-        (0.15, 5e-6, Severity::Error),
-    ] {
-        set(&mut instance, index::GEAR2_ANGLES_1, tilt);
-        let refused = instance.do_step(0.0, step).unwrap_err();
-        assert!(refused.message.contains("tilted"), "{refused}");
-        assert_eq!(refused.severity, severity);
-    }
-    set(&mut instance, index::GEAR2_ANGLES_1, 0.0);
-    instance.do_step(0.0, 1e-5).unwrap();
-    // What a host may not do at all is an error as before.
-    let refused = instance.do_step(5.0, 1e-5).unwrap_err();
-    assert_eq!(refused.severity, Severity::Error);
-}
-
-#[test]
 fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     let mut instance = constant_stiffness(Interface::CoSimulation);
     let absolute = [reference(index::PHASE_REFERENCE)];
-    instance.set(Function::SetInteger, &absolute, &[2]).unwrap();
+    instance.set(Kind::Enumeration, &absolute, &[2]).unwrap();
     // At zero angles a tooth faces a tooth.
     let turn = -std::f64::consts::PI / 20.0;
     set(&mut instance, index::GEAR1_ANGLES_3, turn + 1e-4);
@@ -289,9 +233,9 @@ fn numbers_out_of_all_proportion_are_refused_in_few_digits() {
         }
     }
     let mut instance = constant_stiffness(Interface::CoSimulation);
-    let refused = instance.set_real(&[reference(index::DAMPING)], &[-1e308]);
+    let refused = instance.set(Kind::Real, &[reference(index::DAMPING)], &[-1e308]);
     assert_eq!(
         refused.unwrap_err().message,
-        "fmi2SetReal: damping = -1e308; set 0 or more"
+        "damping = -1e308; set 0 or more"
     );
 }

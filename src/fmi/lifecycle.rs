@@ -1,10 +1,10 @@
 //! Which function may be called when: the state machines of FMI 2.0.5, sections 3.2.3 (model exchange)
 //! and 4.2.4 (co-simulation), as one table.
 
-use std::fmt;
-
 use State::*;
 use serde::{Deserialize, Serialize};
+
+use super::Refusal;
 
 /// State of one instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,10 +42,9 @@ pub enum Interface {
 /// does not belong to both.
 macro_rules! functions {
     ($($($name:ident)+: $states:expr, $interface:expr;)+) => {
-        /// Functions of the C interface that take an instance, by their names without fmi2; fmi2FreeInstance is never
-        /// refused.
+        /// Functions of the C interface that take an instance; fmi2FreeInstance is never refused.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[allow(missing_docs)]
+        #[allow(missing_docs, non_camel_case_types)]
         pub enum Function {
             $($($name,)+)+
         }
@@ -74,60 +73,46 @@ const CS: Option<Interface> = Some(Interface::CoSimulation);
 const ME: Option<Interface> = Some(Interface::ModelExchange);
 
 functions! {
-    SetDebugLogging Reset GetFMUstate SetFMUstate FreeFMUstate: &STATES, None;
-    SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate: &STATES, None;
-    SetupExperiment EnterInitializationMode: &[Instantiated], None;
-    ExitInitializationMode: &[InitializationMode], None;
-    GetReal GetInteger GetBoolean GetString GetDirectionalDerivative: STATES.split_at(1).1, None;
-    SetReal: STATES.split_at(5).0, None;
-    SetInteger SetBoolean SetString: STATES.split_at(4).0, None;
-    Terminate: &[StepComplete, EventMode, ContinuousTimeMode], None;
+    fmi2SetDebugLogging fmi2Reset fmi2GetFMUstate fmi2SetFMUstate fmi2FreeFMUstate: &STATES, None;
+    fmi2SerializedFMUstateSize fmi2SerializeFMUstate fmi2DeSerializeFMUstate: &STATES, None;
+    fmi2SetupExperiment fmi2EnterInitializationMode: &[Instantiated], None;
+    fmi2ExitInitializationMode: &[InitializationMode], None;
+    fmi2GetReal fmi2GetInteger fmi2GetBoolean fmi2GetString fmi2GetDirectionalDerivative: STATES.split_at(1).1, None;
+    fmi2SetReal: STATES.split_at(5).0, None;
+    fmi2SetInteger fmi2SetBoolean fmi2SetString: STATES.split_at(4).0, None;
+    fmi2Terminate: &[StepComplete, EventMode, ContinuousTimeMode], None;
 
-    SetRealInputDerivatives: &[Instantiated, InitializationMode, StepComplete], CS;
-    DoStep: &[StepComplete], CS;
-    GetRealOutputDerivatives: &[StepComplete, Terminated, Error], CS;
-    GetStatus GetRealStatus GetIntegerStatus: &[StepComplete, Terminated, Error], CS;
-    GetBooleanStatus GetStringStatus: &[StepComplete, Terminated, Error], CS;
+    fmi2SetRealInputDerivatives: &[Instantiated, InitializationMode, StepComplete], CS;
+    fmi2DoStep: &[StepComplete], CS;
+    fmi2GetRealOutputDerivatives: &[StepComplete, Terminated, Error], CS;
+    fmi2GetStatus fmi2GetRealStatus fmi2GetIntegerStatus: &[StepComplete, Terminated, Error], CS;
+    fmi2GetBooleanStatus fmi2GetStringStatus: &[StepComplete, Terminated, Error], CS;
     // A step is never in progress when a call returns, so there is nothing to cancel.
-    CancelStep: &[], CS;
+    fmi2CancelStep: &[], CS;
 
-    EnterEventMode SetTime: &[EventMode, ContinuousTimeMode], ME;
-    NewDiscreteStates EnterContinuousTimeMode: &[EventMode], ME;
-    CompletedIntegratorStep SetContinuousStates: &[ContinuousTimeMode], ME;
-    GetDerivatives GetContinuousStates GetNominalsOfContinuousStates: &STATES, ME;
-    GetEventIndicators: STATES.split_at(1).1, ME;
-}
-
-/// The name in the standard.
-impl fmt::Display for Function {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "fmi2{self:?}")
-    }
+    fmi2EnterEventMode fmi2SetTime: &[EventMode, ContinuousTimeMode], ME;
+    fmi2NewDiscreteStates fmi2EnterContinuousTimeMode: &[EventMode], ME;
+    fmi2CompletedIntegratorStep fmi2SetContinuousStates: &[ContinuousTimeMode], ME;
+    fmi2GetDerivatives fmi2GetContinuousStates fmi2GetNominalsOfContinuousStates: &STATES, ME;
+    fmi2GetEventIndicators: STATES.split_at(1).1, ME;
 }
 
 impl Function {
-    /// Why the function may not be called in `state` of an instance of `interface`; `None`: it may.
+    /// Whether the function may be called in `state` of an instance of `interface`.
+    ///
+    /// # Errors
+    /// It may not: names the states in which it may be, or the interface it belongs to.
     #[inline]
-    pub fn refusal(self, state: State, interface: Interface) -> Option<String> {
+    pub fn admit(self, state: State, interface: Interface) -> Result<(), Refusal> {
         let (states, own) = self.rule();
-        if let Some(other) = own.filter(|own| *own != interface) {
-            return Some(format!(
-                "{self} belongs to {other:?}; this instance was made for {interface:?}"
-            ));
-        }
-        if states.contains(&state) {
-            return None;
-        }
-        let allowed = match states {
-            [] => "no state of this unit".to_owned(),
-            _ => {
-                let states = states.iter().map(|state| format!("{state:?}"));
-                states.collect::<Vec<_>>().join(", ")
+        let reason = match own {
+            Some(other) if other != interface => {
+                format!("belongs to {other:?}; this instance was made for {interface:?}")
             }
+            _ if states.contains(&state) => return Ok(()),
+            _ => format!("not allowed in the state {state:?}; it is in {states:?}"),
         };
-        Some(format!(
-            "{self} is not allowed in the state {state:?}; it is in {allowed}"
-        ))
+        Err(Refusal::error(reason))
     }
 }
 
@@ -137,22 +122,15 @@ mod tests {
 
     #[test]
     fn a_refusal_lists_the_states_that_are_allowed() {
-        use Interface::CoSimulation;
         for (function, allowed) in [
-            (Function::DoStep, "StepComplete"),
-            (
-                Function::SetInteger,
-                "Instantiated, InitializationMode, StepComplete, EventMode",
-            ),
-            (Function::CancelStep, "no state of this unit"),
-            (Function::Reset, "Instantiated"),
-            (Function::GetReal, "InitializationMode"),
-            (Function::GetFMUstate, "Instantiated"),
+            (Function::fmi2DoStep, "[StepComplete]"),
+            (Function::fmi2CancelStep, "[]"),
+            (Function::fmi2GetReal, "[InitializationMode, "),
         ] {
-            let refusal = function.refusal(State::Fatal, CoSimulation).unwrap();
-            let start =
-                format!("fmi2{function:?} is not allowed in the state Fatal; it is in {allowed}");
-            assert!(refusal.starts_with(&start), "{refusal}");
+            let refusal = function.admit(State::Fatal, Interface::CoSimulation);
+            let text = refusal.unwrap_err().message;
+            let start = format!("not allowed in the state Fatal; it is in {allowed}");
+            assert!(text.starts_with(&start), "{text}");
         }
     }
 }

@@ -1,7 +1,5 @@
 //! The parameters of the FMU in the types that the element has for them.
 
-use std::fmt::Display;
-
 use super::Refusal;
 use super::variables::{FIRST_PARAMETER, PARAMETERS, VARIABLES, check_value, index};
 use crate::element::{
@@ -50,13 +48,13 @@ const PHASE_REFERENCES: [PhaseReference; 2] =
     [PhaseReference::FromInitialPose, PhaseReference::Absolute];
 
 impl Settings {
-    /// From the numbers of the parameters in the order of their variables; a Boolean is 0 or 1. `function` begins messages.
+    /// From the numbers of the parameters in the order of their variables; a Boolean is 0 or 1.
     ///
     /// # Errors
     /// A number that is no value of its parameter.
-    pub fn new(function: impl Display, numbers: &[f64; PARAMETERS]) -> Result<Self, Refusal> {
+    pub fn new(numbers: &[f64; PARAMETERS]) -> Result<Self, Refusal> {
         for (variable, number) in VARIABLES[FIRST_PARAMETER..].iter().zip(numbers) {
-            check_value(&function, variable, *number)?;
+            check_value(variable, *number)?;
         }
         let real = |i: usize| numbers[i - FIRST_PARAMETER];
         let boolean = |i: usize| real(i) != 0.0;
@@ -102,7 +100,7 @@ mod tests {
 
     #[test]
     fn the_defaults_are_those_of_the_element() {
-        let unit = Settings::new("f", &template()).unwrap().element;
+        let unit = Settings::new(&template()).unwrap().element;
         // Packing switches on what the tables have, and writes the pair's own backlash.
         let packed = Parameters {
             center_distance_effect: true,
@@ -142,7 +140,7 @@ mod tests {
     #[test]
     fn every_parameter_has_a_setting_of_its_own() {
         let before = template();
-        let base = Settings::new("f", &before).unwrap();
+        let base = Settings::new(&before).unwrap();
         let mut seen = vec![base.clone()];
         for (k, v) in VARIABLES[FIRST_PARAMETER..].iter().enumerate() {
             let mut numbers = before;
@@ -152,12 +150,12 @@ mod tests {
                 Kind::Enumeration if before[k] == 1.0 => 2.0,
                 Kind::Enumeration => 1.0,
             };
-            let settings = Settings::new("f", &numbers).unwrap();
+            let settings = Settings::new(&numbers).unwrap();
             assert!(!seen.contains(&settings), "{}", v.name);
             seen.push(settings);
             numbers[k] = -7.5;
             let is_any = v.kind == Kind::Real && v.min.is_none();
-            assert_eq!(Settings::new("f", &numbers).is_ok(), is_any, "{}", v.name);
+            assert_eq!(Settings::new(&numbers).is_ok(), is_any, "{}", v.name);
         }
     }
 }

@@ -80,9 +80,7 @@ pub struct Starts {
 
 impl Starts {
     /// Those of the template with what `unit` has of its own.
-    ///
-    /// # Errors
-    /// Variables that are none, numbers that are none of their values, as text.
+    /// Errors: variables that are none, numbers that are none of their values, as text.
     fn new(unit: &UnitFile) -> Result<Self, String> {
         let mut starts = template_starts();
         for (name, value) in &unit.starts {
@@ -91,11 +89,11 @@ impl Starts {
             starts[i] = *value;
         }
         let parameters = std::array::from_fn(|k| starts[FIRST_PARAMETER + k]);
-        let settings = Settings::new("start values", &parameters);
+        let settings = Settings::new(&parameters);
         Ok(Self {
             inputs: std::array::from_fn(|i| starts[i]),
             parameters,
-            settings: settings.map_err(|refusal| refusal.message)?,
+            settings: settings.map_err(|refusal| format!("start values: {refusal}"))?,
         })
     }
 }
@@ -206,9 +204,7 @@ pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
 
 /// The folder a host means by `location` on this machine: that of a file URI (RFC 8089), or an absolute path
 /// as it is, since some hosts pass one.
-///
-/// # Errors
-/// What is wrong with the location.
+/// Errors: what is wrong with the location.
 fn folder(location: &str) -> Result<PathBuf, &'static str> {
     // First: to a URL, the drive of a path on Windows is a scheme.
     if Path::new(location).is_absolute() {
@@ -245,7 +241,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
     let unit = read_file(folder, UNIT_FILE, parse_unit)?;
     if unit.guid != guid {
         return Err(Refusal::error(format!(
-            "the host passed GUID {guid}, but {} belongs to {}; unpack the unit again",
+            "the host passed GUID {guid}, but {} belongs to {}; unpack the FMU again",
             folder.join(UNIT_FILE).display(),
             unit.guid
         )));
@@ -313,7 +309,7 @@ fn read_file<T>(
 
 /// A file that has not the contents that packing wrote.
 fn unusable(path: &Path, reason: impl Display) -> Refusal {
-    Refusal::error(format!("{}: {reason}; pack the unit again", path.display()))
+    Refusal::error(format!("{}: {reason}; pack the FMU again", path.display()))
 }
 
 #[cfg(test)]

@@ -48,12 +48,12 @@ impl Sliding {
     /// Mean of `all`.
     pub fn mean(all: &[Sliding]) -> Sliding {
         let n = all.len() as f64;
-        let of = |part: fn(&Sliding) -> f64| all.iter().map(part).sum::<f64>() / n;
+        let mean = |part: fn(&Sliding) -> f64| all.iter().map(part).sum::<f64>() / n;
         Sliding {
-            weight: of(|s| s.weight),
-            share: of(|s| s.share),
-            share_z: of(|s| s.share_z),
-            distance: of(|s| s.distance),
+            weight: mean(|s| s.weight),
+            share: mean(|s| s.share),
+            share_z: mean(|s| s.share_z),
+            distance: mean(|s| s.distance),
         }
     }
 }

@@ -19,16 +19,14 @@ pub enum TableError {
     #[error("tables file: {}; make it again with `gearmesh tables` or `gearmesh import`", json_problem(.0))]
     Json(#[from] serde_json::Error),
     /// A field holds what it must not.
-    #[error("{field} = {value}: {reason}; {remedy}")]
+    #[error("{field} = {value}: {reason}")]
     Field {
         /// Name of the field, with the index where it is an array.
         field: String,
         /// What it holds.
         value: String,
-        /// What is wrong with that.
+        /// What is wrong with that, and what to do.
         reason: String,
-        /// What to do.
-        remedy: String,
     },
     /// Axes so coarse that the interpolant of the top-load minus the no-load approach may not be positive.
     #[error(
@@ -74,14 +72,17 @@ pub enum TableError {
 }
 
 impl TableError {
-    pub(crate) const NO_CENTER_DISTANCE: Self = TableError::Missing(
-        "centerDistanceEffect = true: the table has no axis `center_distance_offset_m` (one value only); switch the \
-         effect off or make tables with this axis",
-    );
-    pub(crate) const NO_MISALIGNMENT: Self = TableError::Missing(
-        "misalignmentEffect = true: the table has no axis `misalignment_rad` (one value only); switch the effect off \
-         or make tables with this axis",
-    );
+    /// Of centre distance and misalignment.
+    pub(crate) const NO_AXIS: [Self; 2] = [
+        TableError::Missing(
+            "centerDistanceEffect = true: the table has no axis `center_distance_offset_m` (one value only); switch the \
+             effect off or make tables with this axis",
+        ),
+        TableError::Missing(
+            "misalignmentEffect = true: the table has no axis `misalignment_rad` (one value only); switch the effect off \
+             or make tables with this axis",
+        ),
+    ];
     pub(crate) const NO_MOMENT: Self = TableError::Missing(
         "shuttlingEffect = true: the table has no moment_nm; switch the effect off or make tables with it",
     );
@@ -101,19 +102,17 @@ impl TableError {
         "stiffnessModel = teeth: the table does not hold tooth pairs one by one; set stiffnessModel = table or make \
          the tables with `gearmesh tables --teeth`",
     );
+}
 
-    /// A [`TableError::Field`].
-    pub(crate) fn field(
-        field: impl Into<String>,
-        value: impl ToString,
-        reason: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        TableError::Field {
-            field: field.into(),
-            value: crate::words::shown(&value.to_string()),
-            reason: reason.into(),
-            remedy: remedy.into(),
-        }
-    }
+/// A [`TableError::Field`]: what is wrong with `value` of `field` and what to do.
+pub(crate) fn refused<T>(
+    field: impl Into<String>,
+    value: impl ToString,
+    reason: impl Into<String>,
+) -> Result<T, TableError> {
+    Err(TableError::Field {
+        field: field.into(),
+        value: crate::words::shown(&value.to_string()),
+        reason: reason.into(),
+    })
 }

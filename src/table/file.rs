@@ -1,6 +1,7 @@
 //! The tables file: versioned JSON with units in its names, the pair it came from, the solver's
 //! settings, the interpolation error, and a checksum over all of it.
 
+use super::error::refused;
 use super::records::check_record;
 use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError, TeethRecord};
 use crate::accuracy::InterpolationError;
@@ -11,13 +12,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// What `format` says.
 pub const FORMAT: &str = "gearmesh-tables";
 /// The version this program writes. It reads version 1, too, which took what a misalignment closes of helical flanks as M z
 /// instead of M (z + sigma y): where a file of it depends on that, it is refused.
 pub const VERSION: u32 = 2;
 
-/// The first version.
 const FIRST_VERSION: u32 = 1;
 
 /// Everything in a tables file. Arrays run over (centre distance, misalignment, displacement, mesh
@@ -71,25 +70,25 @@ mod by_gear {
 
     #[derive(Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]
-    struct Named<G> {
-        gear1: G,
-        gear2: G,
+    struct Named {
+        gear1: Gear,
+        gear2: Gear,
         center_distance_m: f64,
     }
 
     pub fn serialize<S: Serializer>(pair: &PairGeometry, to: S) -> Result<S::Ok, S::Error> {
-        let [gear1, gear2] = &pair.gears;
+        let [gear1, gear2] = pair.gears.clone();
         let center_distance_m = pair.center_distance;
-        Named {
+        (Named {
             gear1,
             gear2,
             center_distance_m,
-        }
+        })
         .serialize(to)
     }
 
     pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<PairGeometry, D::Error> {
-        let named = Named::<Gear>::deserialize(from)?;
+        let named = Named::deserialize(from)?;
         Ok(PairGeometry {
             gears: [named.gear1, named.gear2],
             center_distance: named.center_distance_m,
@@ -150,20 +149,16 @@ impl TableFile {
         }
         let head: Head = serde_json::from_slice(text.as_bytes())?;
         if head.format != FORMAT {
-            return Err(TableError::field(
-                "format",
-                head.format,
-                format!("a tables file says {FORMAT}"),
-                "give the file that `gearmesh tables` wrote",
-            ));
+            let reason =
+                format!("a tables file says {FORMAT}; give the file that `gearmesh tables` wrote");
+            return refused("format", head.format, reason);
         }
         if !(FIRST_VERSION..=VERSION).contains(&head.version) {
-            return Err(TableError::field(
-                "version",
-                head.version,
-                format!("this program reads versions {FIRST_VERSION} to {VERSION}"),
-                "make the tables again with this program, or use the one that made them",
-            ));
+            let reason = format!(
+                "this program reads versions {FIRST_VERSION} to {VERSION}; make the tables again with this program, or use the one \
+                 that made them"
+            );
+            return refused("version", head.version, reason);
         }
         let file: TableFile = serde_json::from_slice(text.as_bytes())?;
         let found = format!("{CHECKSUM}{}", file.checksum_sha256);
@@ -179,13 +174,10 @@ impl TableFile {
         let takes_misalignment = file.axes.misalignment.len() > 1 || file.drive.moment.is_some();
         let is_helical = file.geometry.base_helix_angle() != 0.0;
         if file.version == FIRST_VERSION && is_helical && takes_misalignment {
-            return Err(TableError::field(
-                "version",
-                file.version,
-                "tables of helical gears of this version take misalignment and shuttling without the slope of the contact \
-                 lines in the plane of action, which is off by up to 16 % of the transmission error's variation",
-                "make them again from the pair file with `gearmesh tables` or `gearmesh import`",
-            ));
+            let reason = "tables of helical gears of this version take misalignment and shuttling without the slope of the contact \
+                          lines in the plane of action, which is off by up to 16 % of the transmission error's variation; make them \
+                          again from the pair file with `gearmesh tables` or `gearmesh import`";
+            return refused("version", file.version, reason);
         }
         Ok(file)
     }
@@ -212,13 +204,8 @@ impl TableFile {
         let (nominal, top) = (self.nominal_torque_nm, self.maximum_torque_nm);
         for (field, torque) in [("nominal_torque_nm", nominal), ("maximum_torque_nm", top)] {
             if !(torque > 0.0 && torque.is_finite()) {
-                let reason = "a torque of a table is positive";
-                return Err(TableError::field(
-                    field,
-                    torque,
-                    reason,
-                    "make the tables again",
-                ));
+                let reason = "a torque of a table is positive; make the tables again";
+                return refused(field, torque, reason);
             }
         }
         self.drive_grid().check("drive")?;
@@ -252,10 +239,8 @@ impl TableFile {
     }
 }
 
-/// What stands before the checksum in the text.
 const CHECKSUM: &str = "\"checksum_sha256\":\"";
 
-/// The checksum of a file whose text is `unsealed`, its checksum empty.
 fn checksum(unsealed: &str) -> String {
     crate::words::hex(&Sha256::digest(unsealed.trim_end().as_bytes()))
 }

@@ -29,33 +29,27 @@ fn what_is_written_is_read_back() {
 
 #[test]
 fn tables_of_helical_gears_under_the_old_law_of_misalignment_are_refused_by_name() {
-    let first = |hand: f64, change: fn(&mut TableFile)| {
-        let mut pair = paper_pair(hand);
-        if hand == 0.0 {
-            for gear in &mut pair.gears {
-                (gear.helix_angle, gear.hand) = (0.0, 1.0);
-            }
-            pair.center_distance = 0.082;
-        }
+    let first = |helix_angle: f64, counts: [usize; 4], has_moment: bool| {
         let mut f = file();
-        (f.version, f.geometry) = (1, pair);
-        change(&mut f);
+        f.version = 1;
+        for gear in &mut f.geometry.gears {
+            gear.helix_angle = helix_angle;
+        }
+        f.geometry.center_distance = 0.083;
+        let grid = Spring::grid(counts);
+        (f.axes, f.drive) = (grid.axes.clone(), grid.for_file());
+        f.drive.moment = f.drive.moment.filter(|_| has_moment);
         f.seal();
         TableFile::from_json(&f.to_json())
     };
-    let error = first(1.0, |_| ()).unwrap_err().to_string();
-    assert!(
-        error.contains("version = 1") && error.contains("gearmesh tables"),
-        "{error}"
-    );
+    for (counts, has_moment) in [([8, 1, 5, 6], false), ([8, 1, 1, 6], true)] {
+        let error = first(0.2, counts, has_moment).unwrap_err().to_string();
+        let names = ["version = 1", "gearmesh tables"];
+        assert!(names.iter().all(|name| error.contains(name)), "{error}");
+    }
     // What does not depend on it loads.
-    assert_eq!(first(0.0, |_| ()).unwrap().version, 1);
-    let without = first(1.0, |f| {
-        let grid = Spring::grid([8, 1, 1, 6]);
-        (f.axes, f.drive) = (grid.axes.clone(), grid.for_file());
-        f.drive.moment = None;
-    });
-    assert_eq!(without.unwrap().version, 1);
+    first(0.0, [8, 1, 5, 6], true).unwrap();
+    first(0.2, [8, 1, 1, 6], false).unwrap();
 }
 
 #[test]
@@ -86,7 +80,7 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
     fn of_stress(f: &mut TableFile, change: fn(&mut RootStressRecord)) {
         change(f.root_stress.insert(root_stress()));
     }
-    let changes: [(Change, &str); 16] = [
+    let changes: [(Change, &str); 19] = [
         (|f| f.version = 3, "version = 3"),
         (|f| f.format = "other".into(), "format = other"),
         (|f| f.drive.loa_force[0] = -1.0, "drive.loa_force_n[0] = -1"),
@@ -99,6 +93,18 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
             "axes.mesh_position[2] = 0",
         ),
         (|f| f.nominal_torque_nm = -1.0, "nominal_torque_nm = -1"),
+        (
+            |f| f.axes.misalignment[1] = -1.0,
+            "axes.misalignment_rad[1] = -1",
+        ),
+        (
+            |f| f.drive.moment.as_mut().unwrap().truncate(9),
+            "drive.moment_nm = 9 values",
+        ),
+        (
+            |f| f.drive.top_load_approach[3] = -1.0,
+            "drive.top_load_approach_m[3] = -1",
+        ),
         (
             |f| of_stress(f, |r| r.drive.gear_2_pa.truncate(9)),
             "root_stress.drive.gear_2_pa = 9 values",

@@ -1,6 +1,8 @@
 //! The grid of one flank: axes and samples, before any interpolant, and what they must fulfil.
 
+use super::error::refused;
 use super::interpolation::{Block, at_zero};
+use super::records::{LoadSamples, SlidingSamples};
 use super::{Query, TableError};
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +20,6 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// Its name in files and messages.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Axis::CenterDistance => "center_distance_offset_m",
@@ -78,26 +79,19 @@ impl Axes {
 
     fn check(&self) -> Result<(), TableError> {
         let (name, u) = ("axes.displacement_fraction", &self.displacement_fraction);
-        check_axis(name, u)?;
-        if u.len() < FEWEST {
-            return Err(too_few(name, u.len()));
-        }
+        check_axis(name, u, false)?;
         let (first, last) = (u[0], u[u.len() - 1]);
         if first <= 0.0 || last != 1.0 {
-            let (value, reason) = (
-                format!("{first} ... {last}"),
-                "it must begin above 0 and end at 1",
-            );
-            return Err(TableError::field(name, value, reason, AGAIN));
+            let reason = "it must begin above 0 and end at 1; make the tables again";
+            return refused(name, format!("{first} ... {last}"), reason);
         }
         // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
         check_spacing(name, &[&[0.0], u.as_slice()].concat(), 1e-6)?;
-        check_axis(
-            "axes.center_distance_offset_m",
-            &self.center_distance_offset,
-        )?;
-        check_axis("axes.misalignment_rad", &self.misalignment)?;
-        check_mesh_position("axes.mesh_position", &self.mesh_position)
+        check_axes(
+            "axes",
+            [&self.center_distance_offset, &self.misalignment],
+            &self.mesh_position,
+        )
     }
 }
 
@@ -122,6 +116,9 @@ pub struct FlankGrid {
     /// off.
     #[serde(rename = "moment_nm")]
     pub moment: Option<Vec<f64>>,
+    /// How the load slides, for friction of tooth pairs one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<SlidingSamples>,
 }
 
 impl FlankGrid {
@@ -144,6 +141,7 @@ impl FlankGrid {
             top_load_approach: rounded(&self.top_load_approach, 1e-7),
             loa_force: rounded(&self.loa_force, 1e-6),
             moment: self.moment.as_deref().map(|m| rounded(m, 1e-6)),
+            sliding: self.sliding.clone(),
         }
     }
 
@@ -166,23 +164,20 @@ impl FlankGrid {
         }
     }
 
-    /// `samples` of this grid with their lengths.
-    pub(crate) fn block(&self, samples: &[f64]) -> Block {
+    /// `values` of this grid, samples or approaches, with their lengths.
+    pub(crate) fn block(&self, values: &[f64]) -> Block {
+        let [nc, nm, _, np] = self.axes.lengths();
         Block {
-            lengths: self.axes.lengths(),
-            values: samples.to_vec(),
+            lengths: [nc, nm, values.len() / (nc * nm * np).max(1), np],
+            values: values.to_vec(),
         }
     }
 
     /// No-load approach, and span from there to the top load.
     pub(crate) fn fields(&self) -> [Block; 2] {
-        let [nc, nm, _, np] = self.axes.lengths();
         let ends = self.top_load_approach.iter().zip(&self.no_load_approach);
-        let span = ends.map(|(high, low)| high - low).collect();
-        [self.no_load_approach.clone(), span].map(|values| Block {
-            lengths: [nc, nm, 1, np],
-            values,
-        })
+        let span: Vec<f64> = ends.map(|(high, low)| high - low).collect();
+        [&self.no_load_approach, &span].map(|values| self.block(values))
     }
 
     /// How far misalignment moves the first touch of the mesh cycle, m, over (centre distance, misalignment).
@@ -223,24 +218,22 @@ impl FlankGrid {
         self.mapped(axis, nodes, pick)
     }
 
-    /// The grid with other `nodes` along `axis`; `map` takes a line of samples to those there.
+    /// The grid with other `nodes` along `axis`, without sliding; `map` takes a line of samples to those there.
     fn mapped(&self, axis: Axis, nodes: Vec<f64>, map: impl Fn(Vec<f64>) -> Vec<f64>) -> FlankGrid {
-        let lengths @ [nc, nm, _, np] = self.axes.lengths();
-        let count = nodes.len();
-        let mapped = |values: &[f64], lengths| {
-            let values = values.to_vec();
-            (Block { lengths, values }.mapped(axis as usize, count, &map)).values
-        };
-        let approach = |values: &[f64]| match axis {
-            Axis::Displacement => values.to_vec(),
-            _ => mapped(values, [nc, nm, 1, np]),
+        let mapped = |values: &Vec<f64>| {
+            let block = self.block(values);
+            match block.lengths[axis as usize] {
+                1 => block.values,
+                _ => (block.mapped(axis as usize, nodes.len(), &map)).values,
+            }
         };
         let mut grid = FlankGrid {
             axes: self.axes.clone(),
-            no_load_approach: approach(&self.no_load_approach),
-            top_load_approach: approach(&self.top_load_approach),
-            loa_force: mapped(&self.loa_force, lengths),
-            moment: self.moment.as_deref().map(|m| mapped(m, lengths)),
+            no_load_approach: mapped(&self.no_load_approach),
+            top_load_approach: mapped(&self.top_load_approach),
+            loa_force: mapped(&self.loa_force),
+            moment: self.moment.as_ref().map(mapped),
+            sliding: None,
         };
         *grid.axes.along_mut(axis) = nodes;
         grid
@@ -254,27 +247,34 @@ impl FlankGrid {
     pub fn check(&self, flank: &str) -> Result<(), TableError> {
         self.axes.check()?;
         let [nc, nm, nu, np] = self.axes.lengths();
-        let named = |name: &str| format!("{flank}.{name}");
         let (columns, samples) = (nc * nm * np, nc * nm * nu * np);
-        let moment = self.moment.iter().map(|m| ("moment_nm", m, samples));
         for (name, values, length) in [
-            ("no_load_approach_m", &self.no_load_approach, columns),
-            ("top_load_approach_m", &self.top_load_approach, columns),
-            ("loa_force_n", &self.loa_force, samples),
-        ]
-        .into_iter()
-        .chain(moment)
-        {
-            check_values(&named(name), values, length)?;
+            ("no_load_approach_m", Some(&self.no_load_approach), columns),
+            (
+                "top_load_approach_m",
+                Some(&self.top_load_approach),
+                columns,
+            ),
+            ("loa_force_n", Some(&self.loa_force), samples),
+            ("moment_nm", self.moment.as_ref(), samples),
+        ] {
+            if let Some(values) = values {
+                check_values(&format!("{flank}.{name}"), values, length)?;
+            }
+        }
+        for (name, values) in self.sliding.iter().flat_map(SlidingSamples::columns) {
+            check_values(&format!("{flank}.sliding.{name}"), values, samples)?;
         }
         let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
         if let Some((i, (low, high))) = ends.enumerate().find(|(_, (low, high))| high <= low) {
-            return Err(TableError::field(
-                named(&format!("top_load_approach_m[{i}]")),
+            return refused(
+                format!("{flank}.top_load_approach_m[{i}]"),
                 high,
-                format!("not above the no-load approach {low}"),
-                "make the tables again; of imported samples, check the sign of ste_loa_um",
-            ));
+                format!(
+                    "not above the no-load approach {low}; make the tables again; of imported samples, check the sign of \
+                     ste_loa_um"
+                ),
+            );
         }
         for start in self.block(&self.loa_force).lines(2) {
             let mut below = 0.0;
@@ -282,14 +282,14 @@ impl FlankGrid {
                 let i = start + u * np;
                 let force = self.loa_force[i];
                 if force < below || (u + 1 == nu && force <= 0.0) {
-                    return Err(TableError::field(
-                        named(&format!("loa_force_n[{i}]")),
+                    return refused(
+                        format!("{flank}.loa_force_n[{i}]"),
                         force,
                         format!(
-                            "the force must not fall with the displacement (before it: {below})"
+                            "the force must not fall with the displacement (before it: {below}); make the tables again; of \
+                             imported samples, remove the falling one"
                         ),
-                        "make the tables again; of imported samples, remove the falling one",
-                    ));
+                    );
                 }
                 below = force;
             }
@@ -320,58 +320,46 @@ const MOST: usize = 10_000;
 /// Beyond all lengths, forces and moments of gears; products of a few of them with one another stay finite.
 const LARGEST: f64 = 1e15;
 
-const AGAIN: &str = "make the tables again";
-
-/// Checks what sets the periodic axis apart from others, too; `name` with its path, as in all of these.
-pub(super) fn check_mesh_position(name: &str, nodes: &[f64]) -> Result<(), TableError> {
-    check_axis(name, nodes)?;
-    let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+/// Checks the axes that all samples have: those of centre distance and misalignment, and mesh positions, at `path` in the file.
+pub(super) fn check_axes(
+    path: &str,
+    [c, m]: [&[f64]; 2],
+    positions: &[f64],
+) -> Result<(), TableError> {
+    let named = |axis: Axis| format!("{path}.{}", axis.name());
+    check_axis(&named(Axis::CenterDistance), c, true)?;
+    check_axis(&named(Axis::Misalignment), m, true)?;
+    let name = named(Axis::MeshPosition);
+    check_axis(&name, positions, true)?;
+    let (first, last) = (positions[0], positions[positions.len() - 1]);
     if first < 0.0 || last >= 1.0 {
-        return Err(TableError::field(
-            name,
-            format!("{first} ... {last}"),
-            "a mesh position lies in [0, 1)",
-            "leave out the repeated end 1; the axis is periodic",
-        ));
+        let reason =
+            "a mesh position lies in [0, 1); leave out the repeated end 1; the axis is periodic";
+        return refused(name, format!("{first} ... {last}"), reason);
     }
     // The last cell ends at the first node of the next cycle.
-    check_spacing(name, &[nodes, &[first + 1.0]].concat(), 1e-5)
+    check_spacing(&name, &[positions, &[first + 1.0]].concat(), 1e-5)
 }
 
-pub(super) fn too_few(name: &str, count: usize) -> TableError {
-    TableError::field(
-        name,
-        format!("{count} values"),
-        format!("a cubic spline needs at least {FEWEST}"),
-        "add values, or give a single one to leave this axis out",
-    )
-}
-
-pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
+pub(super) fn check_axis(name: &str, nodes: &[f64], may_be_one: bool) -> Result<(), TableError> {
     let count = nodes.len();
-    if count == 0 || (2..FEWEST).contains(&count) {
-        return Err(too_few(name, count));
+    if count < FEWEST && !(count == 1 && may_be_one) {
+        let reason = format!(
+            "a cubic spline needs at least {FEWEST}; add values, or give a single one to leave this axis out"
+        );
+        return refused(name, format!("{count} values"), reason);
     }
     if count > MOST {
-        let (value, reason) = (
-            format!("{count} values"),
-            format!("an axis has at most {MOST}"),
-        );
-        return Err(TableError::field(
-            name,
-            value,
-            reason,
-            "leave some of them out",
-        ));
+        let reason = format!("an axis has at most {MOST}; leave some of them out");
+        return refused(name, format!("{count} values"), reason);
     }
     check_values(name, nodes, count)?;
     if let Some(i) = (1..count).find(|&i| nodes[i] <= nodes[i - 1]) {
-        return Err(TableError::field(
-            format!("{name}[{i}]"),
-            nodes[i],
-            format!("not above the value before it, {}", nodes[i - 1]),
-            "sort the axis ascending and let each value stand once",
-        ));
+        let reason = format!(
+            "not above the value before it, {}; sort the axis ascending and let each value stand once",
+            nodes[i - 1]
+        );
+        return refused(format!("{name}[{i}]"), nodes[i], reason);
     }
     check_spacing(name, nodes, 1e-5)
 }
@@ -381,33 +369,27 @@ pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
 fn check_spacing(name: &str, ends: &[f64], least: f64) -> Result<(), TableError> {
     let range = ends[ends.len() - 1] - ends[0];
     match ends.windows(2).find(|w| w[1] - w[0] < least * range) {
-        Some(pair) => Err(TableError::field(
+        Some(pair) => refused(
             name,
             format!("{} and {}", pair[0], pair[1]),
-            format!("closer than {least:e} of the range"),
-            "leave one of them out",
-        )),
+            format!("closer than {least:e} of the range; leave one of them out"),
+        ),
         None => Ok(()),
     }
 }
 
 pub(super) fn check_values(name: &str, values: &[f64], length: usize) -> Result<(), TableError> {
     if values.len() != length {
-        let reason = format!("the axes need {length}");
-        let remedy = "the file is incomplete; make the tables again";
-        let count = format!("{} values", values.len());
-        return Err(TableError::field(name, count, reason, remedy));
+        let reason =
+            format!("the axes need {length}; the file is incomplete; make the tables again");
+        return refused(name, format!("{} values", values.len()), reason);
     }
     match values.iter().position(|v| v.is_nan() || v.abs() > LARGEST) {
-        Some(i) => {
-            let reason = format!("it must be a number no larger than {LARGEST:e}");
-            Err(TableError::field(
-                format!("{name}[{i}]"),
-                values[i],
-                reason,
-                AGAIN,
-            ))
-        }
+        Some(i) => refused(
+            format!("{name}[{i}]"),
+            values[i],
+            format!("it must be a number no larger than {LARGEST:e}; make the tables again"),
+        ),
         None => Ok(()),
     }
 }

@@ -5,8 +5,9 @@
 //! tooth or end of the face takes the lead it has a kink, which the spline rounds off. It is the stress that is smooth over the load,
 //! not its ratio to it: edges and misalignment gather small loads.
 
-use super::grid::{check_axis, check_mesh_position, check_values, rounded, too_few};
-use super::interpolation::{ANY, Basis, Block, Coefficients, Ends, Fit, Point, at_zero, axis};
+use super::error::refused;
+use super::grid::{check_axes, check_axis, check_values, rounded};
+use super::interpolation::{ANY, Basis, Block, Coefficients, Ends, Others, Point, at_zero, axis};
 use super::{Axis, TableError};
 use crate::accuracy::RootStressError;
 use crate::friction::{FrictionLaw, Sliding};
@@ -29,8 +30,7 @@ pub struct LoadAxes {
 }
 
 impl LoadAxes {
-    /// Lengths in the order of the samples: (centre distance, misalignment, force, mesh position), the last index
-    /// fastest.
+    /// Lengths in the order of the samples: (centre distance, misalignment, force, mesh position), the last index fastest.
     pub fn lengths(&self) -> [usize; 4] {
         [
             self.center_distance_offset_m.len(),
@@ -50,14 +50,6 @@ pub trait LoadSamples {
 
     /// Name and values of each quantity, in the order of the spline.
     fn columns(&self) -> Vec<(&'static str, &[f64])>;
-
-    /// Spline of the quantities, as [`LoadSpline::new`].
-    ///
-    /// # Errors
-    /// As there.
-    fn spline(&self, axes: &LoadAxes, effects: [bool; 2]) -> Result<LoadSpline, TableError> {
-        LoadSpline::new(axes, &self.columns(), effects)
-    }
 }
 
 /// Sliding of both flanks.
@@ -165,38 +157,22 @@ impl LoadSamples for RootStressSamples {
 }
 
 /// Checks a record: lengths, order and finiteness of nodes and samples, and the load at which they begin.
-///
-/// # Errors
-/// The first defect, by field.
 pub(super) fn check_record<S: LoadSamples>(
     axes: &LoadAxes,
     drive: &S,
     coast: Option<&S>,
 ) -> Result<(), TableError> {
-    let named = |name: &str| format!("{}.axes.{name}", S::RECORD);
-    let forces = &axes.loa_force_n;
-    check_axis(
-        &named(Axis::CenterDistance.name()),
-        &axes.center_distance_offset_m,
-    )?;
-    check_axis(&named(Axis::Misalignment.name()), &axes.misalignment_rad)?;
-    check_axis(&named("loa_force_n"), forces)?;
-    check_mesh_position(&named(Axis::MeshPosition.name()), &axes.mesh_position)?;
-    if forces.len() == 1 {
-        return Err(too_few(&named("loa_force_n"), 1));
-    }
+    let path = format!("{}.axes", S::RECORD);
+    let others = [&axes.center_distance_offset_m[..], &axes.misalignment_rad];
+    check_axes(&path, others, &axes.mesh_position)?;
+    let (name, forces) = (format!("{path}.loa_force_n"), &axes.loa_force_n);
+    check_axis(&name, forces, false)?;
     if forces[0] < 0.0 || (forces[0] == 0.0) != S::FROM_ZERO {
         let reason = match S::FROM_ZERO {
-            true => "effects of the load begin at 0",
-            false => "ratios to the load need a load",
+            true => "effects of the load begin at 0; make the tables again",
+            false => "ratios to the load need a load; make the tables again",
         };
-        let name = named("loa_force_n[0]");
-        return Err(TableError::field(
-            name,
-            forces[0],
-            reason,
-            "make the tables again",
-        ));
+        return refused(format!("{name}[0]"), forces[0], reason);
     }
     let length = axes.lengths().iter().product();
     for (flank, samples) in [("drive", Some(drive)), ("coast", coast)] {
@@ -228,48 +204,44 @@ pub struct LoadSpline {
 }
 
 impl LoadSpline {
-    /// Of the samples of each of the `quantities`, by name, on `axes`, cut at 0 along the axes of centre distance and
-    /// misalignment whose effect is off.
+    /// Of `samples` on `axes`, cut at 0 along the axes of centre distance and misalignment whose effect is off.
     ///
     /// # Errors
     /// Nodes through which no spline passes; an axis to be cut that does not hold 0.
     pub fn new(
         axes: &LoadAxes,
-        quantities: &[(&'static str, &[f64])],
+        samples: &impl LoadSamples,
         effects: [bool; 2],
     ) -> Result<Self, TableError> {
         let lengths = axes.lengths();
-        let block = |(_, values): &(&str, &[f64])| Block {
+        let block = |(_, values): (_, &[f64])| Block {
             lengths,
             values: values.to_vec(),
         };
-        let mut blocks: Vec<Block> = quantities.iter().map(block).collect();
-        let [by_c, by_m] = [Axis::CenterDistance, Axis::Misalignment].map(Axis::name);
-        let mut cut = [&axes.center_distance_offset_m, &axes.misalignment_rad].map(Clone::clone);
-        for (i, name) in [by_c, by_m].into_iter().enumerate() {
-            if !effects[i] && cut[i].len() > 1 {
-                let zero = at_zero(&cut[i], name)?;
+        let mut blocks: Vec<Block> = samples.columns().into_iter().map(block).collect();
+        let mut nodes = [&axes.center_distance_offset_m, &axes.misalignment_rad].map(Clone::clone);
+        for (i, axis) in [Axis::CenterDistance, Axis::Misalignment]
+            .into_iter()
+            .enumerate()
+        {
+            if !effects[i] && nodes[i].len() > 1 {
+                let zero = at_zero(&nodes[i], axis.name())?;
                 for block in &mut blocks {
                     *block = block.mapped(i, 1, |line| vec![zero(&line)]);
                 }
-                cut[i] = vec![0.0];
+                nodes[i] = vec![0.0];
             }
         }
-        let (c, along_c) = axis(&cut[0], Ends::Bounded, by_c)?;
-        let (m, along_m) = axis(&cut[1], Ends::Bounded, by_m)?;
+        let others = Others::new([&nodes[0], &nodes[1], &axes.mesh_position])?;
         let (mut force, along_force) = axis(&axes.loa_force_n, Ends::Bounded, "loa_force_n")?;
         if axes.loa_force_n[0] == 0.0 {
             force.guard = [f64::INFINITY; 2];
         }
-        let by_p = Axis::MeshPosition.name();
-        let (p, along_p) = axis(&axes.mesh_position, Ends::Periodic, by_p)?;
-        let fits = [along_c, along_m, along_force, along_p];
-        let fitted = |block: Block| {
-            let along = |block: Block, (axis, fit): (usize, &Fit)| fit.along(axis, &block);
-            Coefficients::new(&fits.iter().enumerate().fold(block, along))
-        };
+        let fitted = |block| Coefficients::new(&others.fit(block, Some(&along_force)));
+        let quantities = blocks.iter().map(fitted).collect();
+        let [c, m, p] = others.bases;
         Ok(LoadSpline {
-            quantities: blocks.into_iter().map(fitted).collect(),
+            quantities,
             c,
             m,
             force,
@@ -338,8 +310,14 @@ mod tests {
             }
             values
         });
-        let quantities = quantities.each_ref().map(|q| ("", &q[..]));
-        LoadSpline::new(&axes, &quantities, effects).unwrap()
+        let [share, share_z_m, distance_m] = quantities;
+        let samples = SlidingSamples {
+            share,
+            share_z_m,
+            distance_m,
+            weight: None,
+        };
+        LoadSpline::new(&axes, &samples, effects).unwrap()
     }
 
     #[test]
@@ -368,31 +346,19 @@ mod tests {
     }
 
     #[test]
-    fn a_dimension_that_is_off_is_cut_at_zero() {
+    fn what_is_off_is_cut_at_zero_and_beyond_the_largest_load_ratios_level_out_and_effects_go_on() {
         let [full, cut] = [true, false].map(|on| spline(100.0, [on, true]));
-        let a: [LoadJet; 3] = cut.evaluate([3000.0, 7e-5, 1e-3, 0.4]);
-        let b: [LoadJet; 3] = full.evaluate([3000.0, 0.0, 1e-3, 0.4]);
-        for k in 0..3 {
-            assert!((a[k].value / b[k].value - 1.0).abs() < 1e-12);
-            assert_eq!(a[k].gradient[1], 0.0);
-        }
-    }
-
-    #[test]
-    fn beyond_the_largest_load_ratios_level_out_and_effects_go_on() {
+        let [a]: [LoadJet; 1] = cut.evaluate([3000.0, 7e-5, 1e-3, 0.4]);
+        let [b]: [LoadJet; 1] = full.evaluate([3000.0, 0.0, 1e-3, 0.4]);
+        assert!((a.value / b.value - 1.0).abs() < 1e-12);
+        assert_eq!(a.gradient[1], 0.0);
         for first in [100.0, 0.0] {
             let spline = spline(first, [true, true]);
-            let [edge, beyond] = [9e3, 9e4].map(|f| {
-                let [_, jet] = spline.evaluate([f, 2e-5, 1e-4, 0.3]);
-                jet
-            });
-            if first == 0.0 {
-                let linear = edge.value + edge.gradient[0] * 81e3;
-                assert!((beyond.value / linear - 1.0).abs() < 1e-12);
-                assert_eq!(beyond.gradient[0], edge.gradient[0]);
-            } else {
-                assert_eq!(beyond.gradient[0], 0.0);
-            }
+            let [[edge], [beyond]] = [9e3, 9e4].map(|f| spline.evaluate([f, 2e-5, 1e-4, 0.3]));
+            let slope = if first == 0.0 { edge.gradient[0] } else { 0.0 };
+            assert_eq!(beyond.gradient[0], slope);
+            let linear = edge.value + slope * 81e3;
+            assert!(first > 0.0 || (beyond.value / linear - 1.0).abs() < 1e-12);
         }
     }
 }

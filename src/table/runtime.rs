@@ -1,8 +1,7 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadAxes, LoadSamples, LoadSpline,
-    TableError, TableFile, TeethFlank,
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadSpline, TableError, TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -57,6 +56,10 @@ impl Effects {
             teeth: false,
         }
     }
+
+    pub(super) fn axes(&self) -> [bool; 2] {
+        [self.center_distance, self.misalignment]
+    }
 }
 
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
@@ -70,7 +73,6 @@ pub struct Table {
     teeth: Option<[TeethFlank; 2]>,
 }
 
-/// What there is of both flanks.
 #[derive(Debug)]
 struct Flanks<T> {
     drive: T,
@@ -81,12 +83,12 @@ struct Flanks<T> {
 impl<T> Flanks<T> {
     fn new<S>(
         drive: &S,
-        coast: Option<&S>,
+        coast: &Option<S>,
         make: impl Fn(&S) -> Result<T, TableError>,
     ) -> Result<Self, TableError> {
         Ok(Flanks {
             drive: make(drive)?,
-            coast: coast.map(make).transpose()?,
+            coast: coast.as_ref().map(make).transpose()?,
         })
     }
 
@@ -100,24 +102,10 @@ impl<T> Flanks<T> {
     }
 }
 
-impl Flanks<LoadSpline> {
-    /// Of samples over the load; centre distance and misalignment count where they are `on`.
-    fn splines<S: LoadSamples>(
-        axes: &LoadAxes,
-        drive: &S,
-        coast: Option<&S>,
-        on: [bool; 2],
-    ) -> Result<Self, TableError> {
-        Flanks::new(drive, coast, |samples| samples.spline(axes, on))
-    }
-}
-
-/// The `record` of an effect that is on.
 fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
-    match record {
-        _ if !on => Ok(None),
-        None => Err(missing),
-        Some(record) => Ok(Some(record)),
+    match on {
+        true => record.as_ref().ok_or(missing).map(Some),
+        false => Ok(None),
     }
 }
 
@@ -161,22 +149,19 @@ impl Table {
     /// # Errors
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
-        let on = [effects.center_distance, effects.misalignment];
+        let on = effects.axes();
         // Tooth pairs one by one slide as their own loads do.
         let slides = effects.friction && !effects.teeth;
-        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?;
-        let sliding = sliding.map(|r| Flanks::splines(&r.axes, &r.drive, r.coast.as_ref(), on));
-        let stress = if_on(
-            effects.root_stress,
-            &file.root_stress,
-            TableError::NO_ROOT_STRESS,
-        )?;
-        let stress = stress.map(|r| Flanks::splines(&r.axes, &r.drive, r.coast.as_ref(), on));
-        let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
-        let teeth = teeth.map(|record| TeethFlank::both(record, &file.geometry, &effects));
+        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?
+            .map(|r| Flanks::new(&r.drive, &r.coast, |s| LoadSpline::new(&r.axes, s, on)));
+        let missing = TableError::NO_ROOT_STRESS;
+        let stress = if_on(effects.root_stress, &file.root_stress, missing)?
+            .map(|r| Flanks::new(&r.drive, &r.coast, |s| LoadSpline::new(&r.axes, s, on)));
+        let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?
+            .map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
         Ok(Table {
-            force: Flanks::new(&file.drive, file.coast.as_ref(), flank)?,
+            force: Flanks::new(&file.drive, &file.coast, flank)?,
             sliding: sliding.transpose()?,
             root_stress: stress.transpose()?,
             teeth: teeth.transpose()?,
@@ -200,8 +185,7 @@ impl Table {
         &self.effects
     }
 
-    /// The table of `flank`, and whether it is the drive flank's mirrored: then evaluate it at -M and take
-    /// the opposite moment.
+    /// The table of `flank`, and whether it is the drive flank's mirrored: then evaluate it at -M and take the opposite moment.
     pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
         self.force.get(flank)
     }
@@ -235,19 +219,12 @@ pub(super) fn flank_table(
     mut grid: FlankGrid,
     effects: &Effects,
 ) -> Result<(FlankGrid, FlankTable), TableError> {
-    let by_axis = [
-        (
-            effects.center_distance,
-            Axis::CenterDistance,
-            TableError::NO_CENTER_DISTANCE,
-        ),
-        (
-            effects.misalignment,
-            Axis::Misalignment,
-            TableError::NO_MISALIGNMENT,
-        ),
-    ];
-    for (on, axis, missing) in by_axis {
+    let axes = [Axis::CenterDistance, Axis::Misalignment];
+    for ((axis, on), missing) in axes
+        .into_iter()
+        .zip(effects.axes())
+        .zip(TableError::NO_AXIS)
+    {
         if !on {
             grid = grid.sliced(axis)?;
         } else if !grid.axes.present()[axis as usize] {

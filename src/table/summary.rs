@@ -7,24 +7,20 @@ impl TableFile {
     /// Rows of name and value: origin, size and error, ranges, settings of the solver.
     pub fn summary(&self) -> Vec<(String, String)> {
         let axes = &self.axes;
-        let (nominal, maximum) = (self.nominal_torque_nm, self.maximum_torque_nm);
-        let torques = format!(
-            "nominal {} N m, up to {} N m",
-            rounded(nominal),
-            rounded(maximum)
-        );
-        let displacement = range(
-            &axes.displacement_fraction,
-            1.0,
-            "from no-load to top-load approach",
-        );
-        let center_distance = format!("{:.4} mm", self.geometry.center_distance * 1e3);
+        let [nominal, maximum] = [self.nominal_torque_nm, self.maximum_torque_nm].map(rounded);
+        let fractions = &axes.displacement_fraction;
         let mut rows = vec![
             ("made by", self.generator.clone()),
             ("from", self.source.clone()),
             ("size and error", self.size_and_error()),
-            ("torque on gear 1", torques),
-            ("displacement", displacement),
+            (
+                "torque on gear 1",
+                format!("nominal {nominal} N m, up to {maximum} N m"),
+            ),
+            (
+                "displacement",
+                range(fractions, 1.0, "from no-load to top-load approach"),
+            ),
             (
                 "centre distance offset",
                 range(&axes.center_distance_offset, 1e6, "um"),
@@ -34,30 +30,30 @@ impl TableFile {
                 "mesh position",
                 range(&axes.mesh_position, 1.0, "base pitches, periodic"),
             ),
-            ("centre distance", center_distance),
+            (
+                "centre distance",
+                format!("{:.4} mm", self.geometry.center_distance * 1e3),
+            ),
             ("checksum", self.checksum_sha256.clone()),
         ];
-        if let Some(friction) = &self.friction {
+        rows.extend(self.friction.as_ref().map(|friction| {
             let words = format!("{}; {}", friction.law, friction.axes.in_words());
-            rows.push(("friction", words));
-        }
-        if let Some(stress) = &self.root_stress {
+            ("friction", words)
+        }));
+        rows.extend(self.root_stress.as_ref().map(|stress| {
             let words = format!("{}, {}", stress.axes.in_words(), stress.interpolation_error);
-            rows.push(("root stress", words));
-        }
-        if let Some(teeth) = &self.teeth {
-            rows.push(("tooth pairs one by one", teeth.in_words()));
-        }
+            ("root stress", words)
+        }));
+        rows.extend(
+            (self.teeth.as_ref()).map(|teeth| ("tooth pairs one by one", teeth.in_words())),
+        );
         let settings = self.solver.iter().map(|(name, value)| {
-            // Strings without the quotation marks of JSON.
-            let text = value.as_str().map(str::to_owned);
-            let name = name.replace('_', " ");
             let is_of_gear = name.starts_with("modifications");
             let prefix = if is_of_gear { "" } else { "solver: " };
-            (
-                format!("{prefix}{name}"),
-                text.unwrap_or_else(|| value.to_string()),
-            )
+            // Strings without the quotation marks of JSON.
+            let text = value.as_str().map(str::to_owned);
+            let text = text.unwrap_or_else(|| value.to_string());
+            (format!("{prefix}{}", name.replace('_', " ")), text)
         });
         let rows = rows
             .into_iter()
@@ -80,7 +76,6 @@ impl TableFile {
     }
 }
 
-/// Coordinates of a grid in the order of its samples.
 const GRID: [&str; 4] = [
     "centre distance",
     "misalignment",
@@ -104,9 +99,10 @@ impl TeethRecord {
                 let value = values.iter().copied().reduce(choose);
                 format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
             };
-            match [f64::min, f64::max].map(extreme) {
-                [least, largest] if least == largest => least,
-                [least, largest] => format!("{least} to {largest}"),
+            let [least, largest] = [f64::min, f64::max].map(extreme);
+            match least == largest {
+                true => least,
+                false => format!("{least} to {largest}"),
             }
         };
         let coupling: Vec<String> = self.coupling_m_per_n.iter().map(um_per_kn).collect();
@@ -123,7 +119,6 @@ impl TeethRecord {
 }
 
 impl LoadAxes {
-    /// Nodes in one line.
     fn in_words(&self) -> String {
         let [c, m, _, p] = GRID;
         in_words(self.lengths(), &[c, m, "force", p])

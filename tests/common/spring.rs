@@ -84,6 +84,7 @@ impl Spring {
             top_load_approach: vec![],
             loa_force: vec![],
             moment: Some(vec![]),
+            sliding: None,
             axes: axes.clone(),
         };
         let at = |c: f64, m: f64, p: f64| Query {

@@ -94,7 +94,7 @@ def unpacked(files):
     return units
 
 
-units, table_units, shipped_units = map(unpacked, ("fmus", "table_fmus", "shipped_fmus"))
+units, table_units = map(unpacked, ("fmus", "table_fmus"))
 
 
 @pytest.fixture
@@ -107,12 +107,6 @@ def mesh(units):
 def table_mesh(table_units):
     """As `mesh`, of the units with tables."""
     yield from instances(table_units)
-
-
-@pytest.fixture
-def shipped(shipped_units):
-    """As `mesh`, of the shipped tables with packed defaults."""
-    yield from instances(shipped_units)
 
 
 def instances(units):

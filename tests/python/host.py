@@ -131,9 +131,6 @@ class Instance:
         kind = self.unit.variables[name].type
         return "Integer" if kind == "Enumeration" else kind
 
-    def status_of_set(self, **values):
-        return self.status_of_setting(values)
-
     def status_of_setting(self, values):
         """Sets values by name with one call per type; the worst status."""
         worst = OK

@@ -23,6 +23,7 @@ from examples.drivelines.planetary import cases as planetary, phase  # noqa: E40
 from examples.drivelines.planetary.stage import IN_PHASE, PITCH, SEQUENTIAL  # noqa: E402
 from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
 from examples.drivelines.response import jump, linear  # noqa: E402
+from examples.drivelines.sweep import __main__ as study  # noqa: E402
 from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
 from scripts.docs.check import cell  # noqa: E402
 
@@ -211,8 +212,10 @@ def test_planets_share_the_load_as_springs_do_and_equally_with_a_floating_sun():
         lambda damped: idle.balance(damped, duration=0.02, step=5e-6),
         lambda damped: cosimulation.balance(damped, duration=1e-3),
         lambda damped: planetary.balance(damped, duration=5e-3),
+        lambda damped: study.balance(damped, duration=5e-3),
+        lambda damped: loss.balance(damped, duration=5e-3),
     ],
-    ids=["one freedom", "six freedoms", "teeth that part", "rattling gearbox", "shafts and housing", "planetary stage"],
+    ids=["one freedom", "six freedoms", "teeth that part", "rattling gearbox", "shafts and housing", "planetary stage", "tilted gears", "friction"],
 )
 @pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
 def test_what_goes_in_is_stored_or_lost_and_loads_cancel(balance, damped):

@@ -132,13 +132,13 @@ def test_every_function_in_every_state(mesh, function, kind):
         enter(instance, state)
         status = instance.call(function, *calls(instance)[function])
         if function in foreign:
-            assert status == ERROR and f"{function} belongs to" in instance.log(), state
+            assert status == ERROR and f"{function}: belongs to" in instance.log(), state
         elif state in EVERY[function]:
             discards = function in ("fmi2GetIntegerStatus", "fmi2GetStringStatus")
             assert status == (DISCARD if discards else OK), (state, instance.log())
         else:
             assert status == ERROR, state
-            assert f"{function} is not allowed in the state" in instance.log()
+            assert f"{function}: not allowed in the state" in instance.log()
         # The host lives, and the instance can be used again.
         instance.expect("fmi2Reset")
         instance.initialize()
@@ -330,10 +330,12 @@ def test_a_host_with_its_defaults_shows_why_a_call_was_refused(fmus):
 def test_what_cannot_be_instantiated_says_why(units):
     unit = units["external"]
     for options, said in (
-        ({"guid": "{not-this-one}"}, "GUID"),
+        ({"guid": "{not-this-one}"}, "the host passed GUID {not-this-one}"),
         ({"resources": "file:///nowhere/resources"}, "nowhere"),
         ({"resources": "http://host/resources"}, "file URI"),
         ({"name": ""}, "instanceName is empty"),
+        ({"kind": 2}, "model exchange (0) and co-simulation (1)"),
+        ({"guid": "a" * 65536}, "fmuGUID does not end within"),
     ):
         instance = unit.instance(**options)
         assert not instance.component

@@ -1,12 +1,18 @@
-"""Rules that modelDescription.xml keeps: what build.rs takes for granted, and what the public checkers of FMUs miss."""
+"""Rules that modelDescription.xml and packed FMUs keep: what build.rs takes for granted, and what the public checkers miss."""
 
+import re
+import subprocess
 import tomllib
-from pathlib import Path
+import zipfile
+from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
+import gearmesh
+import numpy as np
 import pytest
+from conftest import FORMULATIONS, ROOT, pair_files
+from fmpy.validation import validate_fmu
 
-ROOT = Path(__file__).resolve().parents[2]
 XML = ElementTree.parse(ROOT / "modelDescription.xml").getroot()
 VARIABLES = list(XML.find("ModelVariables"))
 UNITS = {
@@ -66,15 +72,30 @@ def test_value_references_ascend_without_a_gap_within_a_causality_from_the_input
         assert step == 1 or (step > 1 and one.get("causality") != other.get("causality")), other.get("name")
 
 
-@pytest.mark.parametrize("block, sources", [("Outputs", ["input"]), ("InitialUnknowns", ["input", "parameter"])])
-def test_every_output_stands_once_in_the_structure_with_ascending_dependencies(block, sources):
-    outputs = [i for i, v in enumerate(VARIABLES, 1) if v.get("causality") == "output"]
-    unknowns = list(XML.find("ModelStructure").find(block))
-    assert [int(unknown.get("index")) for unknown in unknowns] == outputs
-    for unknown in unknowns:
+def named(causality):
+    return [v.get("name") for v in VARIABLES if v.get("causality") == causality]
+
+
+def listed(block):
+    """Names of what each unknown of a block of ModelStructure depends on, by its name; both in ascending order."""
+    indices, found = [], {}
+    for unknown in XML.find("ModelStructure").find(block):
+        indices.append(int(unknown.get("index")))
         known = [int(k) for k in unknown.get("dependencies").split()]
         assert known == sorted(set(known))
-        assert {VARIABLES[k - 1].get("causality") for k in known} <= set(sources)
+        found[VARIABLES[indices[-1] - 1].get("name")] = {VARIABLES[k - 1].get("name") for k in known}
+    assert indices == sorted(set(indices))
+    return found
+
+
+def test_outputs_depend_on_inputs_and_at_first_on_parameters():
+    running, initial = listed("Outputs"), listed("InitialUnknowns")
+    assert list(running) == list(initial) == named("output")
+    for name, known in running.items():
+        assert known <= set(named("input")), name
+        # In initialization parameters count as well; these act in steps alone.
+        assert initial[name] - known == set(named("parameter")) - {"coupling", "effectiveMass"}
+        assert known <= initial[name]
 
 
 @pytest.mark.parametrize("interface", ["ModelExchange", "CoSimulation"])
@@ -83,3 +104,81 @@ def test_capabilities_fit_one_another(interface):
     assert found.get("canGetAndSetFMUstate") == found.get("canSerializeFMUstate") == "true"
     assert found.get("canNotUseMemoryManagementFunctions") == "true"  # Rust allocates
     assert found.get("modelIdentifier") == XML.get("modelName")
+
+
+def test_fmpy_finds_nothing(fmus):
+    for path in fmus.values():
+        assert validate_fmu(str(path)) == []
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("pair", ["external-all", "ring2-all"])
+def test_no_output_changes_with_an_input_it_is_not_listed_with(table_mesh, pair, formulation):
+    dependencies = listed("Outputs")
+    inputs, outputs = named("input"), list(dependencies)
+    rng = np.random.default_rng(7)
+    seen = set()
+    instance = table_mesh(pair)
+    instance.initialize({"formulation": formulation, "loadedFlank": 3, "damping": 3e3})
+    start = {n: instance.get(n) for n in inputs}
+    for _ in range(20):
+        # Poses about the nominal one, within a slack of some micrometres, moving either way.
+        values = {n: start[n] + rng.normal() * (2e-5 if "on[" in n or "angles" in n else 0.02) for n in inputs}
+        values["gear1.angles[3]"] = rng.choice([-1, 1]) * rng.uniform(0, 4e-4)
+        values |= {n: start[n] for n in inputs if "quaternion" in n}
+        instance.set(values)
+        before = dict(zip(outputs, instance.get(*outputs)))
+        for name in inputs:
+            far = "elocity" in name or name.startswith("carrier.position")
+            instance.set({name: values[name] + (0.5 if far else 1e-6)})
+            for output, value in zip(outputs, instance.get(*outputs)):
+                if value != before[output]:
+                    assert name in dependencies[output], (name, output, value, before[output])
+                    seen.add((name, output))
+            instance.set({name: values[name]})
+    # Poses move all forces.
+    assert {("gear1.position[1]", f"gear2.force[{k}]") for k in (1, 2, 3)} <= seen
+
+
+def test_the_unit_names_its_author_and_its_date_and_is_packed_alike_every_time(fmus, tmp_path):
+    with zipfile.ZipFile(fmus["external"]) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    assert root.get("author") and root.get("copyright") and root.get("license")
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", root.get("generationDateAndTime"))
+    again = gearmesh.pack(pair_files()["external"], tmp_path / "again.fmu")
+    assert again.read_bytes() == fmus["external"].read_bytes()
+
+
+def test_the_library_exports_the_interface_and_nothing_else(units):
+    library = next((Path(units["external"].folder) / "binaries").glob("*/*"))
+    table = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True)
+    assert table.returncode == 0, table.stderr
+    names = [line.split()[-1] for line in table.stdout.splitlines()]
+    assert names and all(name.startswith("fmi2") for name in names), names
+
+
+def test_the_library_bears_the_model_identifier(fmus):
+    identifier = XML.find("CoSimulation").get("modelIdentifier")
+    with zipfile.ZipFile(fmus["external"]) as archive:
+        libraries = [PurePosixPath(n) for n in archive.namelist() if n.startswith("binaries/")]
+    assert libraries and all(p.stem == identifier for p in libraries)
+
+
+def test_the_archive_is_plain(fmus):
+    with zipfile.ZipFile(fmus["external"]) as archive:
+        for info in archive.infolist():
+            assert "\\" not in info.filename and not info.filename.startswith("/")
+            assert info.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+            assert (info.external_attr >> 28) != 0o12, "a symbolic link"
+        assert {"modelDescription.xml", "model.png", "documentation/index.html"} <= set(
+            archive.namelist()
+        )
+
+
+def test_the_documentation_lists_every_variable_and_draws_the_frames(fmus):
+    with zipfile.ZipFile(fmus["external"]) as archive:
+        page = archive.read("documentation/index.html").decode()
+    for v in VARIABLES:
+        assert f"<code>{v.get('name')}</code>" in page
+    assert "<svg" in page and not re.search(r"@[A-Z]+@", page)
+    ElementTree.fromstring(page[page.index("<svg") : page.index("</svg>") + 6])

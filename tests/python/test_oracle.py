@@ -10,7 +10,6 @@ from conftest import PAIRS, instances, other_hand, pair_files, swapped
 from host import Unit
 from oracle import STEP, Flank, Mesh
 from scipy.spatial.transform import Rotation
-from test_mechanics import body, product, rotation
 
 POSES = 20
 LOADS = ("gear1.force", "gear1.moment", "gear2.force", "gear2.moment")
@@ -50,6 +49,25 @@ def every_unit(units, tmp_path_factory):
 @pytest.fixture
 def make(every_unit):
     yield from instances(every_unit)
+
+
+def rotation(rng):
+    """A random unit quaternion and its matrix."""
+    q = rng.normal(size=4)
+    q /= np.linalg.norm(q)
+    return q, Rotation.from_quat(q, scalar_first=True).as_matrix()
+
+
+def product(p, q):
+    a, u, b, v = p[0], p[1:], q[0], q[1:]
+    return np.r_[a * b - u @ v, a * v + b * u + np.cross(u, v)]
+
+
+def body(name, p, q, v, w):
+    values = {}
+    for quantity, vector in (("position", p), ("quaternion", q), ("velocity", v), ("angularVelocity", w)):
+        values |= {f"{name}.{quantity}[{i + 1}]": x for i, x in enumerate(vector)}
+    return values
 
 
 class Poses:

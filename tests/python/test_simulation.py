@@ -1,14 +1,15 @@
-"""Whole simulations through fmpy, both orientation inputs, and folders with awkward names."""
+"""Whole simulations through fmpy, both orientation inputs, both interfaces."""
 
 import ctypes
 import math
 
 import numpy as np
 import pytest
-from conftest import EXTERNAL_AND_INTERNAL
-from differences import directional, evaluate, variables
+from conftest import EXTERNAL_AND_INTERNAL, FORMULATIONS
+from differences import check_derivatives, directional, evaluate, values_of, variables
 from fmpy import simulate_fmu
-from host import DISCARD, MODEL_EXCHANGE, OK, EventInfo, Unit
+from host import DISCARD, MODEL_EXCHANGE, OK, EventInfo
+from test_tables import Geometry
 
 OUTPUTS = ["gear1.force[2]", "gear1.moment[3]", "gear2.moment[3]", "mesh.transmissionError", "mesh.position"]
 
@@ -56,16 +57,6 @@ def test_both_orientation_inputs_give_the_same_simulation(fmus):
     # The driven gear turns slower, so the drive flank is pressed more and more.
     assert one["mesh.transmissionError"][-1] > 1e-6
     assert one["gear2.moment[3]"][-1] == pytest.approx(one["gear1.moment[3]"][-1], rel=1e-12)
-
-
-def test_a_unit_runs_from_folders_with_awkward_names(fmus, tmp_path):
-    for name in ("with space", "Zähne und Räder", "100% #1 a+b", "歯車"):
-        unit = Unit(fmus["external"], tmp_path / name / "unit")
-        instance = unit.instance()
-        assert instance.component, instance.log()
-        instance.initialize()
-        assert instance.step(0.0, 1e-5) == OK
-        instance.close()
 
 
 @EXTERNAL_AND_INTERNAL
@@ -167,3 +158,25 @@ def test_model_exchange_answers_at_every_stage_and_goes_on_after_a_point_that_is
     event, end = ctypes.c_int(7), ctypes.c_int(7)
     one.expect("fmi2CompletedIntegratorStep", 1, ctypes.byref(event), ctypes.byref(end))
     assert (event.value, end.value) == (0, 0)
+
+
+@pytest.mark.parametrize("orientation", [1, 2], ids=["angles", "quaternion"])
+@FORMULATIONS
+@EXTERNAL_AND_INTERNAL
+def test_directional_derivatives_are_those_of_differences(mesh, pair, formulation, orientation):
+    rng = np.random.default_rng(20130411)
+    instance = mesh(pair)
+    inputs, outputs = variables(instance)
+    # One flank: the pairs have no backlash, so that the other one would carry, too, as soon as gears approach.
+    choices = {"stiffnessModel": 1, "damping": 1e3, "loadedFlank": 1}
+    instance.initialize({**choices, "orientationInput": orientation, "formulation": formulation})
+    values = values_of(instance, inputs)
+    for n in inputs:
+        if "quaternion" not in n:
+            values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 1e-5)
+    slip = 4e-5 / Geometry(instance.unit).rw[0]
+    values["gear1.angles[3]"] += slip
+    values["gear1.quaternion[4]"] += slip / 2
+    instance.set(values)
+    assert instance.get("mesh.flank") == 1
+    check_derivatives(instance, values, outputs, rng)

@@ -103,8 +103,3 @@ unit.close()
     other = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert other.returncode == 0, other.stderr
     assert json.loads(other.stdout) == after
-
-
-def test_a_serialised_state_goes_on_in_another_process(mesh, fmus, tmp_path):
-    instance = mesh().initialize({"gear1.angles[3]": 0.01, "meshPhase": 0.02, "damping": 7e3})
-    goes_on_elsewhere(instance, fmus["external"], tmp_path)

@@ -1,23 +1,35 @@
-"""Units with tables: the element against the solver the tables came from, and against itself."""
+"""Units with tables: the element against the solver the tables came from."""
 
 import itertools
+import json
 import math
+from pathlib import Path
 
 import gearmesh
 import numpy as np
 import pytest
 from conftest import FORMULATIONS, QUICK, pair_files
-from differences import check_derivatives, values_of, variables
-from test_mechanics import Geometry
 from test_state import goes_on_elsewhere
 
-INTERPOLATIONS = LINEAR, SPLINE, SHEPARD = 1, 2, 3
-EVERY_INTERPOLATION = pytest.mark.parametrize("interpolation", INTERPOLATIONS, ids=["linear", "spline", "shepard"])
 FULL = ["external-all", "ring2-all"]
 CYCLE = ["external-cycle", "ring2-cycle"]
 TORQUE = 100.0
-# A pair without backlash jams between both flanks as soon as a tilt or a shorter centre distance takes up the relief.
-ONE_FLANK = {"loadedFlank": 1}
+
+
+class Geometry:
+    """Operating values from the macrogeometry, by the textbook."""
+
+    def __init__(self, unit):
+        data = json.loads((Path(unit.folder) / "resources" / "unit.json").read_text())["geometry"]
+        g1, g2 = data["gears"]
+        self.z = [g1["teeth"], g2["teeth"]]
+        self.e = -1 if "ring" in (g1["kind"], g2["kind"]) else 1
+        beta, alpha_n = g1["helix_angle_rad"], g1["normal_pressure_angle_rad"]
+        alpha_t = np.arctan(np.tan(alpha_n) / np.cos(beta))
+        r = [0.5 * z * g1["normal_module_m"] / np.cos(beta) for z in self.z]
+        self.c = data["center_distance"]
+        self.phi = np.arccos(abs(r[0] + self.e * r[1]) * np.cos(alpha_t) / self.c)
+        self.rw = [z * self.c / abs(self.z[0] + self.e * self.z[1]) for z in self.z]
 
 
 def press(instance, tangential, sign=1):
@@ -88,133 +100,37 @@ def test_the_unit_carries_the_nominal_torque_at_the_static_transmission_error(
         assert z == pytest.approx(static.contact_z_mm[i], abs=0.05)
 
 
-def scan(instance, name, values, force):
-    """Elongations and flags while the input `name` goes through `values` under a constant force."""
-    radius = Geometry(instance.unit).rw[0]
-    elongations, flags = [], []
-    for value in values:
-        instance.set({name: value})
-        # The paper's transmission error is that of the z = 0 face: misaligned, the teeth touch elsewhere.
-        for elongation in itertools.count(1e-5, 1e-5):
-            press(instance, elongation)
-            if instance.get("mesh.tangentialForce") > 0.0:
-                break
-        # Newton's iteration between an angle with too little force and one with too much: Shepard's force bends both ways.
-        low, high = -math.inf, math.inf
-        for _ in range(80):
-            angle, excess, stiffness = instance.get("gear1.angles[3]", "mesh.tangentialForce", "mesh.stiffness")
-            excess -= force
-            low, high = (low, angle) if excess > 0.0 else (angle, high)
-            step = -excess / stiffness / radius if stiffness > 0.0 else math.inf
-            if not low < angle + step < high:
-                step = 0.5 * (low + high) - angle if math.isfinite(high - low) else math.copysign(1e-5 / radius, -excess)
-            instance.set({"gear1.angles[3]": angle + step})
-            if abs(step * radius) < 1e-14:
-                break
-        assert instance.get("mesh.tangentialForce") == pytest.approx(force, rel=1e-6)
-        elongations.append(instance.get("mesh.transmissionError"))
-        flags.append(instance.get("mesh.outOfRange"))
-    return np.array(elongations), np.array(flags)
-
-
-@FORMULATIONS
-@EVERY_INTERPOLATION
-@pytest.mark.parametrize("pair", FULL)
-def test_beyond_top_load_a_flag_is_raised_and_the_force_goes_on_smoothly(
-    table_mesh, pair, interpolation, formulation
-):
-    choices = {"formulation": formulation, "interpolation": interpolation}
-    instance = table_mesh(pair).initialize({**ONE_FLANK, "damping": 0.0, **choices})
-    points = []
-    for elongation in np.linspace(0.0, 6e-5, 201):
-        press(instance, elongation)
-        points.append(instance.get("mesh.tangentialForce", "mesh.outOfRange"))
-    forces, flags = np.array(points).T
-    first = np.flatnonzero(flags)[0]
-    assert 10 < first < 190 and np.all(flags[first:] == 1)
-    # A jump or a kink bends the curve more at the border than it bends anywhere within the range.
-    bend = np.abs(np.diff(forces, 2))
-    assert bend[first - 3 : first + 3].max() <= 1.5 * bend[2 : first - 3].max()
-
-
-@FORMULATIONS
-@EVERY_INTERPOLATION
-@pytest.mark.parametrize("pair", FULL)
-@pytest.mark.parametrize("end", [-1, 1], ids=["lower", "upper"])
-@pytest.mark.parametrize("axis", ["centre distance", "misalignment"])
-def test_beyond_the_range_of_an_axis_a_flag_is_raised_and_nothing_jumps(
-    table_mesh, pair, axis, end, interpolation, formulation
-):
-    choices = {"formulation": formulation, "interpolation": interpolation}
-    instance = table_mesh(pair).initialize({**ONE_FLANK, "damping": 0.0, **choices})
-    c = instance.get("gear2.position[1]")
-    name, start, far = {
-        "centre distance": ("gear2.position[1]", c, c + end * 2e-4),
-        "misalignment": ("gear2.angles[1]", 0.0, end * 5e-3),
-    }[axis]
-    values = np.linspace(start, far, 101)
-    elongations, flags = scan(instance, name, values, 1500.0)
-    first = np.flatnonzero(flags)[0]
-    assert 5 < first < 95 and np.all(flags[first:] == 1)
-    assert np.all(np.isfinite(elongations))
-    # The slope within one step of the border, and as close to it as doubles allow to resolve.
-    slope = np.abs(np.diff(elongations)).max() / abs(values[1] - values[0])
-    low, high = values[first - 1], values[first]
-    for _ in range(25):
-        middle = 0.5 * (low + high)
-        _, (flag,) = scan(instance, name, [middle], 1500.0)
-        low, high = (low, middle) if flag else (middle, high)
-    (inside, outside), _ = scan(instance, name, [low, high], 1500.0)
-    assert abs(outside - inside) <= slope * abs(high - low) + 1e-13
-
-
-TABLES = {"loadDependent": 1, "interpolation": SPLINE}
-
-
-@FORMULATIONS
-@pytest.mark.parametrize(
-    "pairs, choice, step",
-    [
-        (FULL, TABLES, 2e-7),
-        (FULL, TABLES | {"loadDependent": 0}, 2e-7),
-        (FULL, TABLES | {"interpolation": LINEAR}, 2e-7),
-        # Short of the nodes of sliding and stress near the pose.
-        (CYCLE, {"friction": 1, "frictionTransitionSpeed": 0.1, "rootStress": 1}, 1e-7),
-    ],
-    ids=["spline", "constant-load", "linear", "friction and root stress"],
-)
-def test_directional_derivatives_of_tables_are_those_of_differences(table_mesh, pairs, choice, step, formulation):
-    for pair in pairs:
-        rng = np.random.default_rng(7 if pairs == FULL else 9)
-        instance = table_mesh(pair)
-        inputs, outputs = variables(instance)
-        # Its derivative is a third derivative of the potential, piecewise constant for a cubic spline and
-        # formed by differences inside the unit.
-        outputs.remove("mesh.stiffness")
-        instance.initialize({"damping": 1e3, "formulation": formulation, "meshPhase": 0.03, **choice})
-        press(instance, 1.5e-5)
-        values = values_of(instance, inputs)
-        for n in inputs:
-            values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 2e-6)
-        values |= {"gear2.angles[1]": values["gear2.angles[1]"] + 3e-4} if pairs == FULL else {"gear1.angularVelocity[3]": 20.0}
-        check_derivatives(instance, values, outputs, rng, step)
-
-
-def test_interpolations_differ_by_the_error_of_the_table_alone(table_mesh):
-    forces = []
-    for interpolation in INTERPOLATIONS:
-        instance = under_torque(table_mesh, "external-cycle", 0.21, interpolation=SPLINE)
-        angle = instance.get("gear1.angles[3]")
-        phase = instance.get("meshPhase")
-        instance.expect("fmi2Reset")
-        instance.initialize({"interpolation": interpolation, "meshPhase": phase, "damping": 0.0})
-        instance.set({"gear1.angles[3]": angle})
-        forces.append(instance.get("mesh.tangentialForce"))
-    assert len(set(forces)) == len(INTERPOLATIONS)
-    assert forces == pytest.approx([forces[1]] * len(forces), rel=0.02)
-
-
 @pytest.mark.parametrize("pair", FULL)
 def test_a_state_on_tables_goes_on_in_another_process(table_mesh, table_fmus, tmp_path, pair):
     instance = table_mesh(pair).initialize({"meshPhase": 0.02, "loadDependent": 0})
     goes_on_elsewhere(instance, table_fmus[pair], tmp_path)
+
+
+@pytest.mark.parametrize("flank", [1, -1], ids=["drive", "coast"])
+@pytest.mark.parametrize("pair", CYCLE)
+def test_root_stress_is_that_of_the_static_solve(table_mesh, pair, flank):
+    rng = np.random.default_rng(31)
+    torque = rng.uniform(40.0, 120.0)
+    positions = 11  # no divisor of the table's
+    options = {"positions": positions, "flank": "drive" if flank > 0 else "coast", "root_stress": True}
+    solved = gearmesh.solve(pair_files()[pair.removesuffix("-cycle")], torque, **options, **QUICK)
+    for k in rng.choice(np.arange(1, positions), 3, replace=False):
+        instance = under_torque(table_mesh, pair, k / positions, torque, flank, rootStress=1)
+        # The torque holds the change of the elastic energy over the cycle, too: compared is stress over load.
+        force = instance.get("mesh.tangentialForce") * Geometry(instance.unit).rw[0] / torque
+        for gear in (0, 1):
+            known = 1e6 * solved.root_stress_mpa[gear, k] * force
+            assert instance.get(f"mesh.rootStress{gear + 1}") == pytest.approx(known, rel=0.015), (gear, k)
+
+
+@pytest.mark.parametrize("parameter, remedy", [("friction", "friction = true"), ("rootStress", "--root-stress")])
+def test_an_effect_that_the_tables_do_not_hold_is_refused_by_name(table_mesh, parameter, remedy):
+    log = table_mesh("external-all").refused({parameter: 1})
+    assert f"{parameter} = true" in log and remedy in log
+
+
+def test_inspect_tells_the_root_stress_of_the_tables_and_its_error(table_fmus):
+    rows = gearmesh.inspect(table_fmus["external-cycle"]).text.splitlines()
+    told = [row for row in rows if row.strip().startswith("root stress")]
+    assert len(told) == 1 and "48 mesh positions" in told[0] and "of the largest stress" in told[0]
+    assert "root stress" not in gearmesh.inspect(table_fmus["external-all"]).text

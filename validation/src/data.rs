@@ -25,11 +25,6 @@ pub fn percent(x: f64, reference: f64) -> f64 {
     100.0 * (x / reference - 1.0)
 }
 
-/// Whether a bar is met, in a word.
-pub fn verdict(met: bool) -> &'static str {
-    if met { "met" } else { "missed" }
-}
-
 /// Largest of some numbers by magnitude, with its sign.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |m: f64, v: f64| if v.abs() > m.abs() { v } else { m };

@@ -13,7 +13,7 @@
 
 use crate::Result;
 use gearmesh::element::{
-    Coupling, Element, Inputs, Latch, Loads, Motion, Outputs, Step, StepRequest, Workspace,
+    Coupling, Element, Inputs, Loads, Motion, Outputs, PhaseOffset, Step, StepRequest, Workspace,
 };
 use gearmesh::gear::PairGeometry;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -145,20 +145,20 @@ impl Gear {
 #[derive(Clone)]
 pub struct Scene {
     pub element: Element,
-    /// Its phase zeros.
-    pub latch: Latch,
+    /// Its phase offsets.
+    pub phase: PhaseOffset,
     pub gears: [Gear; 2],
     /// Of the last evaluation of the contact.
     workspace: RefCell<Workspace>,
 }
 
 impl Scene {
-    /// A scene that starts in the element's nominal pose, with its latch taken there.
+    /// A scene that starts in the element's nominal pose, with its phase offset taken there.
     pub fn new(element: Element, gears: [Gear; 2]) -> Result<Self> {
-        let latch = element.latch(&element.nominal_inputs())?;
+        let phase = element.phase_offset(&element.nominal_inputs())?;
         Ok(Self {
             element,
-            latch,
+            phase,
             gears,
             workspace: RefCell::default(),
         })
@@ -228,7 +228,7 @@ impl Scene {
     /// Contact loads at `state`.
     pub fn contact(&self, t: f64, state: &State) -> Result<Outputs> {
         Ok(self.element.evaluate_from(
-            &self.latch,
+            &self.phase,
             &self.inputs(t, state),
             &mut self.workspace.borrow_mut(),
         )?)
@@ -412,9 +412,9 @@ impl<'a> CoSimulation<'a> {
             effective_mass: self.way.effective_mass,
         };
         let inputs = self.scene.inputs(self.time, &self.state);
-        let (element, latch) = (&self.scene.element, &self.scene.latch);
+        let (element, phase) = (&self.scene.element, &self.scene.phase);
         let workspace = &mut self.scene.workspace.borrow_mut();
-        let predicted = element.predict(latch, &inputs, self.last.as_ref(), &request, workspace)?;
+        let predicted = element.predict(phase, &inputs, self.last.as_ref(), &request, workspace)?;
         let acting = match self.way.master {
             Master::Sequential => predicted.loads,
             Master::Parallel => self.loads,

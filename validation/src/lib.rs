@@ -27,8 +27,6 @@ pub struct Context {
     pub quick: bool,
     /// The interpreter that has fmpy.
     pub python: String,
-    /// Elastic models computed so far in this run.
-    pub models: setup::Models,
     /// Pair and samples that the chapters on speed share.
     pub samples: std::cell::OnceCell<speed_accuracy::Sampled>,
 }

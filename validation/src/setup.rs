@@ -20,7 +20,6 @@ use gearmesh_preprocessor::table::{
 };
 use gears::{gear, paper_pair, thinned};
 use rayon::prelude::*;
-use std::cell::RefCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -66,34 +65,17 @@ pub fn ratio(pair: &PairGeometry) -> f64 {
     -pair.e() * pair.gears[0].z() / pair.gears[1].z()
 }
 
-/// Elastic models computed so far in this run.
-#[derive(Default)]
-pub struct Models(RefCell<Vec<(PairGeometry, Settings, PairCompliance)>>);
-
-impl Models {
-    /// The models of `pair` with `settings`.
-    pub fn get(&self, pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
-        let same = |k: &&(PairGeometry, _, _)| k.0 == pair.geometry && k.1 == *settings;
-        if let Some((_, _, models)) = self.0.borrow().iter().find(same) {
-            return Ok(models.clone());
-        }
-        let models = compute(pair, settings)?;
-        let entry = (pair.geometry.clone(), *settings, models.clone());
-        self.0.borrow_mut().push(entry);
-        Ok(models)
-    }
-
-    /// Solver of `pair` at its level of refinement.
-    pub fn solver(&self, pair: &Pair) -> Result<ContactSolver> {
-        let models = self.get(pair, &Settings::for_pair(pair))?;
-        solver(pair, &models, ContactSettings::for_pair(pair))
-    }
-}
-
-/// Elastic models of both gears, computed here.
-pub fn compute(pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
+/// Elastic models of `pair` with `settings`, cached in target/finite-elements.
+pub fn models(pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
+    let folder = in_repository("target/finite-elements");
+    let cache = ModelCache::new(folder, ModelCache::DEFAULT_LIMIT);
     let go_on = |_, _, _| true;
-    Ok(PairCompliance::new(&pair.geometry, settings, None, &go_on)?)
+    Ok(PairCompliance::new(
+        &pair.geometry,
+        settings,
+        Some(&cache),
+        &go_on,
+    )?)
 }
 
 /// Solver of `pair` on `models`.
@@ -161,24 +143,16 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// `pair` on finite elements that are computed here, its contact discretised by `contact`.
+    /// `pair` at its level of refinement, its contact discretised by `contact`.
     pub fn new(pair: Pair, contact: ContactSettings) -> Result<Self> {
-        let solver = solver(&pair, &compute(&pair, &Settings::for_pair(&pair))?, contact)?;
+        let solver = solver(&pair, &models(&pair, &Settings::for_pair(&pair))?, contact)?;
         Ok(Self { pair, solver })
     }
 
-    /// The shipped pair `name` on elements whose models are cached in target/finite-elements, and what an FMU packs of
-    /// its contact.
-    pub fn packed(name: &str) -> Result<(Self, ContactFile)> {
-        let pair = shipped(name)?;
-        let folder = in_repository("target/finite-elements");
-        let cache = ModelCache::new(folder, ModelCache::DEFAULT_LIMIT);
-        let settings = Settings::for_pair(&pair);
-        let models = PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true)?;
-        let solver = solver(&pair, &models, ContactSettings::for_pair(&pair))?;
-        let setup = Self { pair, solver };
-        let file = setup.contact_file()?;
-        Ok((setup, file))
+    /// `pair` with its own settings of contact.
+    pub fn from_pair(pair: Pair) -> Result<Self> {
+        let contact = ContactSettings::for_pair(&pair);
+        Self::new(pair, contact)
     }
 
     /// What an FMU packs for contact at run time.
@@ -197,6 +171,7 @@ impl Setup {
             contact,
             coverage: &coverage,
             coast_mirrors_drive: true,
+            friction: false,
         };
         Ok(sweep.record(&default_teeth_axes(&coverage), points, &quiet())?)
     }

@@ -72,7 +72,7 @@ pub fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
     (value, begin.elapsed().as_secs_f64())
 }
 
-/// Writes machine.csv: date, processor, clock, compiler, load.
+/// Writes machine.csv: date, processor, compiler, load.
 pub fn machine(data: &Data) -> Result<()> {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let (cpu_info, load) = (read("/proc/cpuinfo"), read("/proc/loadavg"));
@@ -81,10 +81,6 @@ pub fn machine(data: &Data) -> Result<()> {
         let value = line.and_then(|l| l.split_once(':'));
         value.map_or("unknown", |(_, value)| value.trim())
     };
-    let processors = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    let flags: Vec<&str> = field("flags").split(' ').collect();
-    let mut vectors = vec!["avx", "fma", "avx2", "avx512f"];
-    vectors.retain(|flag| flags.contains(flag));
     let printed = |program: &str, argument: &str| {
         let output = std::process::Command::new(program).arg(argument).output();
         output.map_or("unknown".to_owned(), |o| {
@@ -92,36 +88,14 @@ pub fn machine(data: &Data) -> Result<()> {
         })
     };
     let [model, number, stepping] = ["model name", "model\t", "stepping"].map(field);
+    let processors = std::thread::available_parallelism()?;
+    let load = load.split(' ').next().unwrap_or_default();
     let rows = [
         format!("date | {}", printed("date", "+%F")),
         format!("processor | {model} (model {number}, stepping {stepping})"),
         format!("processors to this process | {processors}"),
-        format!("clock by dependent multiplications, GHz | {:.2}", clock()),
-        format!("vector instructions | {}", vectors.join(", ")),
-        format!("baseline of the code | {}", std::env::consts::ARCH),
         format!("compiler | {}", printed("rustc", "--version")),
-        format!(
-            "load average of one minute at the start | {}",
-            load.split(' ').next().unwrap_or("")
-        ),
+        format!("load average of one minute at the start | {load}"),
     ];
     data.table("machine", "property | value", &rows)
-}
-
-/// Clock, GHz: a 64-bit multiplication takes three cycles on x86-64 since 2008 and on current ARM cores.
-fn clock() -> f64 {
-    const MULTIPLICATIONS: u32 = 300_000;
-    (0..31)
-        .map(|_| {
-            let begin = Instant::now();
-            let mut x = black_box(3_u64);
-            let factor = black_box(0x9E37_79B9_7F4A_7C15);
-            for _ in 0..MULTIPLICATIONS {
-                // Of the value itself, so that the chain is not folded into a power.
-                x = x.wrapping_mul(factor) | 1;
-            }
-            black_box(x);
-            3.0 * f64::from(MULTIPLICATIONS) / begin.elapsed().as_secs_f64() / 1e9
-        })
-        .fold(0.0, f64::max)
 }

@@ -61,11 +61,11 @@ pub struct GridArgs {
     #[arg(long)]
     no_misalignment: bool,
 
-    /// Also how the load slides, for the effect `friction` of the unit
+    /// Also how the load slides, for the effect `friction` of the FMU
     #[arg(long)]
     pub friction: bool,
 
-    /// Also tooth pairs one by one, for stiffnessModel = teeth of the unit, which takes index errors and run-out
+    /// Also tooth pairs one by one, for stiffnessModel = teeth of the FMU, which takes index errors and run-out
     #[arg(long)]
     pub teeth: bool,
 }
@@ -161,7 +161,8 @@ pub fn compute(
     let at_run_time = at_run_time.transpose()?;
     let begin = Instant::now();
     let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
-    let teeth = teeth.map(|contact| sweeps.teeth(contact)).transpose()?;
+    let teeth = teeth.map(|contact| sweeps.teeth(contact, grid.friction));
+    let teeth = teeth.transpose()?;
     if let Some(record) = &teeth {
         let (time, words) = (seconds_since(begin), record.in_words());
         lines.push(format!("tooth pairs one by one: {time}, {words}"));
@@ -249,7 +250,7 @@ fn settings(
     }))?)
 }
 
-/// Which levels of a unit take the teeth of a pair that differ: `note` where none of those built with `teeth` or `contact` does.
+/// Which levels of an FMU take the teeth of a pair that differ: `note` where none of those built with `teeth` or `contact` does.
 fn note_at_build(note: &str, teeth: bool, contact: bool) -> String {
     let table = "`stiffnessModel = table` takes all teeth as alike";
     let takes = "which takes the tooth errors";

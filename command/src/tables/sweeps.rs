@@ -8,7 +8,7 @@ use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 
 use gearmesh::table::{
-    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSamples,
+    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
     RootStressRecord, TeethRecord,
 };
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
@@ -124,7 +124,7 @@ impl Sweeps<'_> {
             };
             self.watched("root stress", |watch| -> Result<_, Error> {
                 let samples = sweep.samples(&axes, watch)?;
-                let table = samples.spline(&axes, [true; 2])?;
+                let table = LoadSpline::new(&axes, &samples, [true; 2])?;
                 let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
                 Ok((samples, error))
             })
@@ -143,12 +143,13 @@ impl Sweeps<'_> {
     }
 
     /// Tooth pairs one by one, their error measured against `contact`.
-    pub fn teeth(&self, contact: &ContactFile) -> Result<TeethRecord, Error> {
+    pub fn teeth(&self, contact: &ContactFile, friction: bool) -> Result<TeethRecord, Error> {
         let sweep = TeethSweep {
             solver: &self.model.solver,
             contact,
             coverage: self.coverage,
             coast_mirrors_drive: self.pair.coast_mirrors_drive(),
+            friction,
         };
         let axes = self.with_misalignments(default_teeth_axes(self.coverage));
         self.watched("tooth pairs", |watch| {

@@ -7,8 +7,9 @@ from functools import cache
 
 import gearmesh
 import numpy as np
-from gearmesh import GearPair, RunUp, Turning, energy
+from gearmesh import GearPair, RunUp, Turning
 
+from .. import driven
 from ..files import PAIRS, local
 
 TORQUE = 150.0  # N m on gear 1, and as much on gear 2
@@ -53,17 +54,6 @@ def linear_swing(natural_frequency_hz: float, rpm: np.ndarray) -> np.ndarray:
 
 def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """At a steady speed near resonance, from no load, so that teeth part: what energy and loads stray, over the run."""
-    speed = rpm * math.pi / 30.0
     with GearPair(local("spur-50-50"), {"damping": DAMPING * damped}, "model-exchange") as pair:
         pair.initialize()
-        turning = Turning(pair)
-
-        def rate(time: float, z: np.ndarray) -> np.ndarray:
-            return np.array([z[1], (turning(speed * time, speed, *z.tolist())[1] + TORQUE) / INERTIA])
-
-        def accounts(_: float, z: np.ndarray) -> list[float]:
-            """Power of the drive on gear 1 and of the torque on gear 2, and what the mesh loses."""
-            return [-turning.moments()[0] * speed + TORQUE * z[1], energy.mesh_loss(pair)]
-
-        start = np.array([0.0, -speed])
-        return energy.balance([pair], rate, start, step, duration, accounts, lambda z: 0.5 * INERTIA * z[1] ** 2)
+        return driven.balance(Turning(pair), INERTIA, TORQUE, rpm, 0.0, duration, step)

@@ -17,11 +17,14 @@ from pathlib import Path
 import cloudpickle
 import numpy as np
 from dask.distributed import Client, LocalCluster
+from gearmesh import GearPair
+from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 from gearmesh.sweep import grid, sweep
 
 from examples.hosts.tables import show
 
+from .. import driven
 from ..files import OUT, save, shipped
 from . import runs
 
@@ -87,6 +90,15 @@ def throughput(fmu: bytes) -> None:
         print(f"one process, {count} instance{'s' * (count > 1)}: {64 / (time.process_time() - clock):.1f} runs per second of processor time")
 
 
+def balance(damped: bool, duration: float = 0.02, step: float = 2.5e-6) -> dict[str, float]:
+    """Of a run with tilted gears too far apart, from the middle of the backlash: what energy and loads stray, over the run."""
+    fmu = shipped("fzg-c", phaseReference="absolute")
+    with GearPair(fmu, {} if damped else {"damping": 0.0}, "model-exchange") as pair:
+        pair.initialize()
+        run = runs.Run(pair, {"torque_nm": 100.0, "misalignment_mrad": TILTS[1], "center_distance_offset_um": OFFSETS[1]})
+        return driven.balance(run.turning, runs.INERTIA, run.torque, 8000.0, run.middle, duration, step)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
@@ -102,6 +114,8 @@ def main() -> None:
     rows = [np.broadcast_to(column.reshape(len(cases()), -1), (len(cases()), COUNT)).ravel() for column in table.values()]
     np.savetxt(OUT / "sweep.csv", np.column_stack(rows), delimiter=",", header=",".join(table), comments="")
     draw(table)
+    for damped in (False, True):
+        print(f"{'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
 
 def branches(table: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

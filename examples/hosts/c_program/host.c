@@ -111,7 +111,7 @@ int main(int count, char **arguments) {
     if (!mesh || !inputs || !outputs || !u || !y || !line(u, ins)) return 1;
     need(setup(mesh, 0, 0.0, 0.0, 0, 0.0));
     need(enter(mesh));
-    need(set(mesh, inputs, ins, u)); /* the start pose latches the phases */
+    need(set(mesh, inputs, ins, u)); /* the start pose sets the phase offset */
     need(leave(mesh));
     if (exchange) {
         event_info info;

@@ -4,36 +4,31 @@
 //! teeth, how many of them are asked for, and the version of the code. So every setting and constant that shapes section and
 //! layers shapes its key without a list to keep; for what is done with them [`VERSION`] stands.
 //!
-//! File: magic line, SHA-256 of the rest, key, label, body; little endian. A file that is cut,
-//! altered or of another version is recomputed and replaced, with a note; it never gives a result. A
-//! half-written one is never found. When a new model does not fit, the least recently used ones go.
+//! A file ([`gearmesh::sealed`]) holds label, key and body. One that is cut, altered or of another version is recomputed and
+//! replaced, with a note; it never gives a result. When a new model does not fit, the least recently used ones go.
 
 use super::FiniteElementError;
 use super::model::Model;
 use crate::storage::write_whole;
-use gearmesh::gear::Gear;
-use gearmesh::words::{hex, rounded};
+use gearmesh::sealed;
+use gearmesh::words::hex;
 use sha2::{Digest, Sha256};
-use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Changes with the layout of the file.
-const MAGIC: &[u8; 32] = b"gearmesh finite elements v0005\r\n";
+const MAGIC: &[u8; 32] = b"gearmesh finite elements v0006\r\n";
 
-/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how many modes of the sides and
-/// Fourier indices are left out, or how the result is rounded. What was kept is then not found.
-const VERSION: u32 = 6;
+/// Changes with what is computed of section and layers: a method, or a constant that they do not show. What was kept is then not found.
+const VERSION: u32 = 7;
 
-/// How many bytes of it all versions share: these tell a file of this cache from others.
-const COMMON: usize = MAGIC.len() - b"0005\r\n".len();
+/// How many bytes of the magic line all versions share: these tell a file of this cache from others.
+const COMMON: usize = MAGIC.len() - b"0006\r\n".len();
 
-/// Bytes before the checksum, the key and the label: a byte with its length, then its text.
-const CHECKSUM: usize = MAGIC.len();
-const KEY: usize = CHECKSUM + 32;
-const LABEL: usize = KEY + 32;
+/// Bytes of the label in a file, filled up with spaces.
+const LABEL: usize = 128;
 
 const ENDING: &str = "compliance";
 
@@ -101,19 +96,16 @@ impl ModelCache {
     pub fn models(&self) -> io::Result<Vec<CachedModel>> {
         let mut models = Vec::new();
         for path in self.paths()? {
-            let Some(head) = head(&path) else {
-                continue;
-            };
             // Another run may have removed it meanwhile.
-            let Ok(found) = fs::metadata(&path) else {
-                continue;
-            };
-            models.push(CachedModel {
-                bytes: found.len(),
-                used: found.modified()?,
-                gear: label(&head),
-                path,
-            });
+            if let (Some(head), Ok(file)) = (head(&path), fs::metadata(&path)) {
+                let label = head.get(sealed::HEAD..).filter(|_| head.starts_with(MAGIC));
+                models.push(CachedModel {
+                    bytes: file.len(),
+                    used: file.modified()?,
+                    gear: label.map(|label| String::from_utf8_lossy(label).trim_end().to_owned()),
+                    path,
+                });
+            }
         }
         models.sort_by_key(|model| model.used);
         Ok(models)
@@ -135,11 +127,11 @@ impl ModelCache {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
             entries => entries?,
         };
-        let paths = entries.map(|entry| Ok(entry?.path()));
-        let ends = |path: &PathBuf| path.extension().is_some_and(|ending| ending == ENDING);
-        paths
-            .filter(|path| path.as_ref().map_or(true, ends))
-            .collect()
+        let mut paths: Vec<PathBuf> = entries
+            .map(|entry| Ok(entry?.path()))
+            .collect::<io::Result<_>>()?;
+        paths.retain(|path| path.extension().is_some_and(|ending| ending == ENDING));
+        Ok(paths)
     }
 
     /// Removes all models; returns how many.
@@ -154,12 +146,12 @@ impl ModelCache {
         Ok(models.len())
     }
 
-    /// Whether `what` is computed of `model` is there, sound or not.
-    pub(super) fn holds(&self, model: &Model, reach: usize, what: &str) -> bool {
-        self.path(&key(model, reach, what)).exists()
+    /// Whether what is computed of `model` is there, sound or not.
+    pub(super) fn holds(&self, model: &Model) -> bool {
+        self.path(&key(model, "")).exists()
     }
 
-    fn path(&self, key: &[u8; 32]) -> PathBuf {
+    fn path(&self, key: &[u8]) -> PathBuf {
         self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
     }
 
@@ -204,96 +196,68 @@ pub(super) trait Stored: Sized {
     fn decode(bytes: &[u8]) -> Option<Self>;
 }
 
-/// What `compute` gives of `model` for teeth up to `reach` apart, by way of `cache` if there is one. `what` that is, in words, is
-/// part of its key. An unusable cache costs the time of a computation.
+/// What `compute` gives of `model`, by way of `cache` if there is one; `what` that is, in words, is part of its key.
 ///
 /// # Errors
 /// Those of `compute`.
 pub(super) fn get<T: Stored>(
     cache: Option<&ModelCache>,
     model: &Model,
-    reach: usize,
     what: &str,
     compute: impl FnOnce() -> Result<T, FiniteElementError>,
 ) -> Result<(T, Origin), FiniteElementError> {
     let Some(cache) = cache else {
         return Ok((compute()?, Origin::Computed));
     };
-    let key = key(model, reach, what);
+    let key = key(model, what);
     let path = cache.path(&key);
-    let in_words = |reason: &dyn Display| format!("{}: {reason}", path.display());
-    let fault = match read(&path, &key) {
-        Ok(found) => {
-            // Notes that it was used. Folders that are not the user's own need not allow it.
-            let _ = File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
-            return Ok((found, Origin::Loaded));
-        }
-        Err(fault) => fault,
+    let in_words = |reason: String| format!("{}: {reason}", path.display());
+    let fault = match fs::read(&path) {
+        Ok(bytes) => match read(&bytes, &key) {
+            Ok(found) => {
+                // Notes that it was used. Folders that are not the user's own need not allow it.
+                let _ = File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+                return Ok((found, Origin::Loaded));
+            }
+            Err(fault) => Some(fault.to_owned()),
+        },
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => Some(error.to_string()),
     };
     let found = compute()?;
-    let origin = match cache.store(&path, &sealed(&key, what, &found.encode())) {
-        Err(error) => Origin::NotStored(in_words(&error)),
-        Ok(()) if fault.kind() == io::ErrorKind::NotFound => Origin::Stored,
-        Ok(()) => Origin::Replaced(in_words(&fault)),
+    let label = format!("{:LABEL$.LABEL$}", format!("{what}{}", model.in_words()));
+    let contents = [label.as_bytes(), &key, &found.encode()].concat();
+    let origin = match (cache.store(&path, &sealed::seal(MAGIC, &contents)), fault) {
+        (Err(error), _) => Origin::NotStored(in_words(error.to_string())),
+        (Ok(()), None) => Origin::Stored,
+        (Ok(()), Some(fault)) => Origin::Replaced(in_words(fault)),
     };
     Ok((found, origin))
 }
 
 /// The key of `what` is computed of `model`.
-pub(super) fn key(model: &Model, reach: usize, what: &str) -> [u8; 32] {
+fn key(model: &Model, what: &str) -> [u8; 32] {
     let code = (env!("CARGO_PKG_VERSION"), VERSION);
-    Sha256::digest(format!("{code:?} {what:?} {reach} {}", model.identity())).into()
+    Sha256::digest(format!("{code:?} {what:?} {}", model.identity())).into()
 }
 
-/// What the file at `path` with this `key` holds.
-fn read<T: Stored>(path: &Path, key: &[u8; 32]) -> io::Result<T> {
-    let bytes = fs::read(path)?;
-    let fault = |reason: &str| io::Error::new(io::ErrorKind::InvalidData, reason);
-    if !bytes.starts_with(MAGIC) {
-        return Err(fault("not a compliance file of this version"));
-    }
-    let cut = || fault("the file is cut off or altered");
-    let (checksum, sealed) = bytes[CHECKSUM..].split_at_checked(32).ok_or_else(cut)?;
-    if Sha256::digest(sealed)[..] != *checksum {
-        return Err(cut());
-    }
-    if !sealed.starts_with(key) {
-        return Err(fault("the file belongs to another gear or other settings"));
-    }
-    let body = LABEL + 1 + usize::from(bytes[LABEL]);
-    T::decode(&bytes[body..]).ok_or_else(cut)
-}
-
-fn sealed(key: &[u8; 32], label: &str, body: &[u8]) -> Vec<u8> {
-    let label = [&[label.len() as u8], label.as_bytes()].concat();
-    let sealed = [key, &label[..], body].concat();
-    [&MAGIC[..], &Sha256::digest(&sealed), &sealed].concat()
-}
-
-pub(super) fn gear_in_words(gear: &Gear) -> String {
-    format!(
-        "{} teeth, module {} mm, helix {} deg, face width {} mm",
-        gear.teeth,
-        rounded(1e3 * gear.normal_module),
-        rounded(gear.helix_angle.to_degrees()),
-        rounded(1e3 * gear.face_width)
-    )
+/// What `bytes` of a file with this `key` hold.
+fn read<T: Stored>(bytes: &[u8], key: &[u8]) -> Result<T, &'static str> {
+    let contents = sealed::open(MAGIC, bytes)?;
+    let keyed = contents
+        .get(LABEL..)
+        .and_then(|rest| rest.strip_prefix(key));
+    let body = keyed.ok_or("it belongs to another gear or other settings")?;
+    T::decode(body).ok_or("it was cut or altered")
 }
 
 /// The beginning of a file, up to the end of its label; None for a file that no version of this cache wrote.
 fn head(path: &Path) -> Option<Vec<u8>> {
     let mut head = Vec::new();
-    let longest = LABEL + 1 + usize::from(u8::MAX);
     let file = File::open(path).ok()?;
-    file.take(longest as u64).read_to_end(&mut head).ok()?;
+    let length = sealed::HEAD + LABEL;
+    file.take(length as u64).read_to_end(&mut head).ok()?;
     head.starts_with(&MAGIC[..COMMON]).then_some(head)
-}
-
-/// The label in the `head` of a file; None for a file of another version.
-fn label(head: &[u8]) -> Option<String> {
-    let length = head.starts_with(MAGIC).then(|| head.get(LABEL))??;
-    let label = head.get(LABEL + 1..)?.get(..usize::from(*length))?;
-    String::from_utf8(label.to_vec()).ok()
 }
 
 #[cfg(test)]

@@ -22,7 +22,6 @@ use nalgebra::DMatrix;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-/// A sector seen from its sides and its loaded flank.
 pub(super) struct CondensedSector {
     /// Stiffness of both sides, side 0 first, N/m; lower triangle valid.
     pub sides: DMatrix<f64>,
@@ -50,45 +49,48 @@ pub(super) fn condense(
     loads: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
-    let mut dissection = Dissection::new(mesh);
-    let inside = dissection.inside();
-    let count = inside.len();
-    let part = dissection.cut((0..mesh.cells.len()).collect(), inside, 0);
-    let sides = mesh.sides.iter().flatten();
-    for (place, node) in (count..).zip(sides.clone()) {
-        dissection.places[*node] = place;
-    }
     let d = mesh.dimension;
-    let own = d * count..d * (count + sides.count());
-    let place = |unknown: usize| d * dissection.places[unknown / d] + unknown % d;
-    let mut entries: Vec<(usize, usize, f64)> = (columns.iter().enumerate())
-        .flat_map(|(j, column)| column.iter().map(move |(row, value)| (*row, j, *value)))
-        .filter(|(unknown, ..)| dissection.places[unknown / d] != NONE)
-        .map(|(unknown, column, value)| (place(unknown), own.end + column, value))
-        .collect();
-    entries.sort_by_key(|(unknown, column, _)| (*unknown, *column));
-    let mut condensation = Condensation {
-        dissection,
+    let mut work = Condensation {
+        mesh,
         material,
-        entries,
-        functionals: own.end + loads,
+        cells: cells(mesh),
+        places: vec![NONE; mesh.points.len()],
+        entries: Vec::new(),
+        functionals: 0,
         work: 0.0,
         progress,
         done: Mutex::new(0.0),
     };
+    let inside = inside(mesh);
+    let count = inside.len();
+    let part = work.cut((0..mesh.cells.len()).collect(), inside, 0);
+    let sides: Vec<usize> = mesh.sides.iter().flatten().copied().collect();
+    let own = d * count..d * (count + sides.len());
+    work.place(sides, count);
+    for (j, column) in columns.iter().enumerate() {
+        for (unknown, value) in column {
+            let place = work.places[unknown / d];
+            if place != NONE {
+                let entry = (d * place + unknown % d, own.end + j, *value);
+                work.entries.push(entry);
+            }
+        }
+    }
+    (work.entries).sort_by_key(|(unknown, column, _)| (*unknown, *column));
+    work.functionals = own.end + loads;
     let mut root = Part {
         inner: vec![part],
         own: own.clone(),
         ..Part::default()
     };
-    condensation.count(&mut root);
-    condensation.work = root.inner[0].work;
+    work.count(&mut root);
+    work.work = root.inner[0].work;
     root.kept = (own.end..own.end + columns.len()).collect();
     root.symmetric = loads;
     let numbers = root.numbers.max((own.len() + columns.len()).pow(2));
     check_memory(size_of::<f64>() * numbers)?;
 
-    let front = condensation.assembled(&root)?;
+    let front = work.assembled(&root)?;
     let side_loads = front.columns.rows_range(own.len()..).transpose();
     let mut held_influence = -front.rest;
     if loads < columns.len() {
@@ -108,7 +110,6 @@ pub(super) fn condense(
 /// the inside, the sides of the sector, then the columns.
 #[derive(Default)]
 struct Part {
-    /// Elements, unless the part is made of others.
     elements: Vec<usize>,
     inner: Vec<Part>,
     /// Unknowns that are eliminated with this part.
@@ -119,12 +120,10 @@ struct Part {
     symmetric: usize,
     /// Multiplications for the part and its inner ones.
     work: f64,
-    /// Numbers kept at most while they are eliminated.
     numbers: usize,
 }
 
 impl Part {
-    /// Row of the unknown or column `number` in the front.
     fn row(&self, number: usize) -> usize {
         if number < self.own.end {
             return number - self.own.start;
@@ -132,54 +131,56 @@ impl Part {
         self.own.len() + self.kept.partition_point(|kept| *kept < number)
     }
 
-    /// Numbers that are left when the part is eliminated.
     fn left(&self) -> usize {
         self.kept.len() * self.symmetric
     }
 }
 
-/// Place of a node that is held or hangs.
+/// Place of a held node.
 const NONE: usize = usize::MAX;
 
-struct Dissection<'a> {
+/// Lowest and highest cell of the elements of each node, by axis.
+fn cells(mesh: &Mesh) -> Vec<[[i32; 2]; 3]> {
+    let mut cells = vec![[[i32::MAX, i32::MIN]; 3]; mesh.points.len()];
+    for (nodes, cell) in mesh.connectivity().zip(&mesh.cells) {
+        for node in nodes {
+            for ([low, high], cell) in cells[*node].iter_mut().zip(cell) {
+                (*low, *high) = (*cell.min(low), *cell.max(high));
+            }
+        }
+    }
+    cells
+}
+
+/// The free nodes without those of the sides.
+fn inside(mesh: &Mesh) -> Vec<usize> {
+    let mut apart = mesh.held.clone();
+    (mesh.sides.iter().flatten()).for_each(|node| apart[*node] = true);
+    (0..apart.len()).filter(|node| !apart[*node]).collect()
+}
+
+struct Condensation<'a> {
     mesh: &'a Mesh,
-    /// Nodes whose unknowns each element knows.
-    carrying: Vec<Vec<usize>>,
-    /// Lowest and highest cell of the elements that know each node, by axis.
+    material: [f64; 2],
     cells: Vec<[[i32; 2]; 3]>,
     /// Place of each node in the order of elimination.
     places: Vec<usize>,
+    /// (unknown, column, value) of all loads and functionals, ascending.
+    entries: Vec<(usize, usize, f64)>,
+    /// Number of the first functional.
+    functionals: usize,
+    work: f64,
+    progress: &'a (dyn Fn(f64) -> bool + Sync),
+    done: Mutex<f64>,
 }
 
-impl<'a> Dissection<'a> {
-    fn new(mesh: &'a Mesh) -> Dissection<'a> {
-        let carrying: Vec<Vec<usize>> = mesh.connectivity().map(|n| mesh.carrying(n)).collect();
-        let mut cells = vec![[[i32::MAX, i32::MIN]; 3]; mesh.points.len()];
-        for (nodes, cell) in carrying.iter().zip(&mesh.cells) {
-            for node in nodes {
-                for ([low, high], cell) in cells[*node].iter_mut().zip(cell) {
-                    (*low, *high) = (*cell.min(low), *cell.max(high));
-                }
-            }
-        }
-        Dissection {
-            mesh,
-            carrying,
-            cells,
-            places: vec![NONE; mesh.points.len()],
-        }
-    }
+/// The dense matrix of a part, lower triangle: the columns of its own unknowns, and the others without functionals.
+struct Front {
+    columns: DMatrix<f64>,
+    rest: DMatrix<f64>,
+}
 
-    /// The free nodes without those of the sides.
-    fn inside(&self) -> Vec<usize> {
-        let mut inside: Vec<bool> = self.mesh.held.iter().map(|held| !held).collect();
-        let apart = self.mesh.hanging.keys();
-        for node in apart.chain(self.mesh.sides.iter().flatten()) {
-            inside[*node] = false;
-        }
-        (0..inside.len()).filter(|node| inside[*node]).collect()
-    }
-
+impl Condensation<'_> {
     /// Gives the `nodes` that `elements` alone know their places from `first` on.
     fn cut(&mut self, elements: Vec<usize>, nodes: Vec<usize>, first: usize) -> Part {
         let d = self.mesh.dimension;
@@ -233,7 +234,6 @@ impl<'a> Dissection<'a> {
                     let [low, high] = self.cells[**node][axis];
                     low < limit && limit <= high
                 };
-                // Equal halves are worth a slightly larger separator.
                 let cost = nodes.iter().filter(between).count() as f64
                     * (1.0 + (share - 0.5).powi(2) * 4.0);
                 if best.is_none_or(|(least, ..)| cost < least) {
@@ -243,43 +243,25 @@ impl<'a> Dissection<'a> {
         }
         best.map(|(_, axis, limit)| (axis, limit))
     }
-}
 
-struct Condensation<'a> {
-    dissection: Dissection<'a>,
-    material: [f64; 2],
-    /// (unknown, column, value) of all loads and functionals, ascending.
-    entries: Vec<(usize, usize, f64)>,
-    /// Number of the first functional.
-    functionals: usize,
-    work: f64,
-    progress: &'a (dyn Fn(f64) -> bool + Sync),
-    done: Mutex<f64>,
-}
-
-/// The dense matrix of a part, lower triangle: the columns of its own unknowns, and the others without functionals.
-struct Front {
-    columns: DMatrix<f64>,
-    rest: DMatrix<f64>,
-}
-
-impl Condensation<'_> {
     fn unknowns(&self, nodes: &[usize]) -> impl Iterator<Item = Option<usize>> {
-        let d = self.dissection.mesh.dimension;
-        let places = nodes.iter().map(|node| self.dissection.places[*node]);
+        let d = self.mesh.dimension;
+        let places = nodes.iter().map(|node| self.places[*node]);
         places.flat_map(move |place| (0..d).map(move |i| (place != NONE).then(|| d * place + i)))
     }
 
-    /// What acts on the own unknowns of `part`.
     fn entries(&self, part: &Part) -> &[(usize, usize, f64)] {
         let from = |own: usize| self.entries.partition_point(|(unknown, ..)| *unknown < own);
         &self.entries[from(part.own.start)..from(part.own.end)]
     }
 
-    /// Finds what `part` keeps and what its elimination takes.
     fn count(&self, part: &mut Part) {
         part.inner.iter_mut().for_each(|inner| self.count(inner));
-        let nodes = (part.elements.iter()).flat_map(|element| &self.dissection.carrying[*element]);
+        let mesh = self.mesh;
+        let nodes = part
+            .elements
+            .iter()
+            .flat_map(|element| mesh.nodes(*element));
         let nodes: Vec<usize> = nodes.copied().collect();
         let columns = self.entries(part).iter().map(|(_, column, _)| *column);
         let mut kept: Vec<usize> = (self.unknowns(&nodes).flatten().chain(columns))
@@ -319,7 +301,6 @@ impl Condensation<'_> {
         }
     }
 
-    /// The front of `part` with its inner parts eliminated.
     fn assembled(&self, part: &Part) -> Result<Front, FiniteElementError> {
         let is_small = |inner: &Part| inner.work < SHARE_OF_A_THREAD * self.work;
         let left: Vec<DMatrix<f64>> = match &part.inner[..] {
@@ -340,12 +321,10 @@ impl Condensation<'_> {
             let rows = inner.kept.iter().map(|number| part.row(*number));
             front.add(&rows.zip(0..).collect::<Vec<_>>(), &left);
         }
-        let mesh = self.dissection.mesh;
-        let size = mesh.nodes_per_element();
         for element in &part.elements {
-            let nodes = &mesh.elements[size * element..size * (element + 1)];
-            let (nodes, stiffness) = mesh.stiffness(nodes, self.material);
-            let numbers = self.unknowns(&nodes).zip(0..);
+            let nodes = self.mesh.nodes(*element);
+            let stiffness = self.mesh.stiffness(nodes, self.material);
+            let numbers = self.unknowns(nodes).zip(0..);
             let mut rows: Vec<(usize, usize)> = numbers
                 .filter_map(|(number, at)| Some((part.row(number?), at)))
                 .collect();
@@ -379,8 +358,7 @@ impl Front {
     }
 }
 
-/// Refuses work that takes `bytes` where the system says that it has less left; one that does not say takes all. A system that
-/// grants more than it has ends the program once the memory is used: no allocation fails.
+/// Refuses work that takes `bytes` where the system says that it has less left: one that grants more ends the program later.
 fn check_memory(bytes: usize) -> Result<(), FiniteElementError> {
     let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     match available(&state) {
@@ -416,17 +394,17 @@ mod tests {
             plane_strain: true,
             ..Settings::new(Refinement::Coarse, 0)
         };
-        let mesh = Model::new(&gear, &settings).unwrap().mesh();
+        let mesh = Mesh::new(&Model::new(&gear, &settings).unwrap());
         let material = [1.0, 0.3];
         // The free unknowns, those of the sides last.
-        let mut order = Dissection::new(&mesh).inside();
+        let mut order = inside(&mesh);
         let inside = 2 * order.len();
         order.extend(mesh.sides.iter().flatten());
         let n = 2 * order.len();
         let at = |node: usize| order.iter().position(|other| *other == node);
         let mut whole = DMatrix::<f64>::zeros(n, n);
         for nodes in mesh.connectivity() {
-            let (nodes, k) = mesh.stiffness(nodes, material);
+            let k = mesh.stiffness(nodes, material);
             let rows: Vec<Option<usize>> = nodes.iter().map(|node| at(*node)).collect();
             for (i, j) in (0..k.nrows()).flat_map(|i| (0..k.nrows()).map(move |j| (i, j))) {
                 if let (Some(row), Some(column)) = (rows[i / 2], rows[j / 2]) {

@@ -9,7 +9,7 @@
 use super::element::shape;
 use super::flank::face_nodes;
 use super::mesh::{LoadColumn, Mesh};
-use super::model::{Model, twist};
+use super::model::Model;
 use nalgebra::Vector3;
 
 /// 1/sqrt(3), abscissa of the two-point Gauss rule.
@@ -31,7 +31,6 @@ pub(super) struct FilletGrid {
 /// Components of stress at each point: along the profile, along the helix, shear; Pa.
 pub(super) const COMPONENTS: usize = 3;
 
-/// A place along the face where stress is observed.
 struct Place {
     layer: usize,
     /// m.
@@ -64,7 +63,6 @@ impl Place {
 /// A point of the face of an element.
 struct FacePoint {
     place: Vector3<f64>,
-    /// Unit normal, either way.
     normal: Vector3<f64>,
     /// Stress by the displacements.
     stress: [LoadColumn; COMPONENTS],
@@ -86,7 +84,7 @@ impl FilletGrid {
                         let point =
                             FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
                         if number == 0 && at == 0 {
-                            grid.add(&point, twist(&model.gear));
+                            grid.add(&point, model.twist());
                             let [low, mid, high] = [0, 1, 2].map(|i| fillet[2 * element + i].1);
                             let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
                             grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
@@ -117,7 +115,6 @@ impl FilletGrid {
 }
 
 impl FacePoint {
-    /// The point `xi` along the profile and `zeta` along the face of one element and layer.
     fn new(
         model: &Model,
         mesh: &Mesh,

@@ -1,10 +1,10 @@
-//! The grid of nodes on the loaded flank, and segments as weights on it.
+//! The grid of nodes on the loaded flank, and segments as weights on it: line loads spread by a kernel.
 
 use super::element::{GAUSS3, QUAD8, shape};
-use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, GAUSS5, HALF_KERNEL_FROM_EDGE, Kernel};
 use super::outline::Outline;
 use super::section::Section;
 use gearmesh::compliance::Segment;
+use gearmesh::root::bisection;
 use std::collections::BTreeMap;
 
 /// Weights of the flank nodes that share the force on a segment (they sum to one) and, since loads and
@@ -27,7 +27,6 @@ pub(super) struct FlankGrid {
 }
 
 impl FlankGrid {
-    /// Grid of the flank of `section` in the layers between `stations`.
     pub fn new(
         outline: &Outline,
         section: &Section,
@@ -53,13 +52,11 @@ impl FlankGrid {
         (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
     }
 
-    /// Thickest layer, m; none in plane strain.
     pub fn thickest_layer(&self) -> f64 {
         let layers = self.stations.windows(2).map(|ends| ends[1] - ends[0]);
         layers.fold(0.0, f64::max)
     }
 
-    /// Arc length from the form point at the length of roll `roll`, m.
     pub fn arc(&self, roll: f64) -> f64 {
         self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
     }
@@ -67,14 +64,12 @@ impl FlankGrid {
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc(roll);
-        // Not wider than the distance to the tip edge, so that the load stays where it acts, down to what the
-        // elements at the edge resolve.
+        // Not wider than the distance to the tip edge, so that the load stays where it acts, as far as the elements there resolve it.
         let least = self.edge_half_width().min(self.kernel_half_width);
         let half_width = (edges[1] - arc).clamp(least, self.kernel_half_width);
         Kernel::new(half_width, arc, edges)
     }
 
-    /// Half-width of the kernel at the tip edge, m: one and a half of the element there.
     fn edge_half_width(&self) -> f64 {
         let last = self.arcs.len() - 1;
         EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1])
@@ -85,7 +80,6 @@ impl FlankGrid {
         HALF_KERNEL_FROM_EDGE * self.edge_half_width().min(self.kernel_half_width)
     }
 
-    /// Reference length of the kernel at the middle of `segment`, m.
     pub fn reference_length(&self, segment: &Segment) -> f64 {
         self.kernel(0.5 * (segment.roll[0] + segment.roll[1]))
             .reference_length()
@@ -107,7 +101,6 @@ impl FlankGrid {
         sum.into_iter().collect()
     }
 
-    /// Adds `part` of a unit load at `z` and `roll`.
     fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
         let kernel = self.kernel(roll);
         let plane = self.stations.len() == 1;
@@ -155,13 +148,11 @@ pub(super) fn face_nodes(
     })
 }
 
-/// Local coordinate in [-1, 1] of `x` in cell `i` of `ends`.
 fn local(x: f64, ends: &[f64], i: usize) -> f64 {
     2.0 * (x - ends[i]) / (ends[i + 1] - ends[i]) - 1.0
 }
 
-/// Cells of `ends` that `range` touches, as (cell, low, high) with the limits cut to the cell; what lies
-/// outside by rounding belongs to the outermost cells. With a single end there is one cell, the range.
+/// Cells of `ends` that `range` touches, as (cell, low, high), the limits cut to the cell. With a single end there is one cell.
 fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
     let count = ends.len() - 1;
     if count == 0 {
@@ -177,4 +168,195 @@ fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
         })
         .filter(|(_, low, high)| high > low)
         .collect()
+}
+
+/// Half-width of the kernel over that of the widest contact: the kernel's reference length, 0.29 of its
+/// half-width, then exceeds that of the contact, and the local contact adds to the bulk.
+pub(super) const KERNEL_OVER_HERTZ: f64 = 4.0;
+
+/// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
+/// by more than 0.2 % (docs/theory/compliance.md).
+pub(super) const WIDEST_KERNEL: f64 = 0.35;
+
+/// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
+const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
+
+/// Distance from the edge at which a load gives way at a tip corner as one that half a kernel spreads from the edge on, over
+/// the half-width: half of exp of the mean of ln(x + y) over both.
+const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
+
+/// Spreads a line load across its contact line, and its logarithmic self-displacement.
+///
+/// phi(t) = 15/16 (1 - t²)² / w for abs(t) < 1, t the distance over the half-width w; cut off at the edges
+/// of the flank and scaled back to unit mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Kernel {
+    half_width: f64,
+    center: f64,
+    /// The part of [-1, 1] that lies on the flank.
+    low: f64,
+    high: f64,
+    mass: f64,
+}
+
+/// Gauss-Legendre abscissae and weights on [0, 1], 5 points, exact to degree 9.
+const GAUSS5: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+    (0.5, 0.284_444_444_444_444_4),
+    (0.769_234_655_052_841_6, 0.239_314_335_249_683_24),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+impl Kernel {
+    /// Kernel for a line at the arc length `line` of a flank from `flank[0]` to `flank[1]`, m; a line
+    /// beyond an edge is taken at that edge.
+    ///
+    /// Near the tip edge the part beyond it is missing. So that the load does not move away from the
+    /// edge with it, the kernel's middle is moved towards the edge until its centre of mass lies on the
+    /// line; half of the kernel always stays.
+    pub fn new(half_width: f64, line: f64, flank: [f64; 2]) -> Kernel {
+        let line = line.clamp(flank[0], flank[1]);
+        let room = (flank[1] - line) / half_width;
+        let low = ((flank[0] - line) / half_width).clamp(-1.0, 0.0);
+        let mut high = room.clamp(0.0, 1.0);
+        if high < 1.0 {
+            // The distance of the centre of mass from the edge rises with `high` from the half kernel's value.
+            let distance = |high: f64| high - mean(low, high);
+            high = bisection([0.0, high], 60, |high| distance(high) < room);
+        }
+        let center = if high < 1.0 {
+            flank[1] - high * half_width
+        } else {
+            line
+        };
+        Kernel {
+            half_width,
+            center,
+            low,
+            high,
+            mass: cumulative(high) - cumulative(low),
+        }
+    }
+
+    pub fn support(&self) -> [f64; 2] {
+        [self.low, self.high].map(|t| self.center + t * self.half_width)
+    }
+
+    pub fn density(&self, arc: f64) -> f64 {
+        bump((arc - self.center) / self.half_width) / (self.mass * self.half_width)
+    }
+
+    /// exp of the double integral of phi(x) phi(y) ln abs(x - y), m: the line load spread by the kernel
+    /// displaces itself, in the kernel's own average, like a half-plane at this distance.
+    pub fn reference_length(&self) -> f64 {
+        // With the autocorrelation g of the kernel this is 2 int g(t) ln t dt over [0, span]; t = span v^3
+        // takes the logarithm's singularity away.
+        let span = self.high - self.low;
+        let panels = 4;
+        let mut sum = 0.0;
+        for panel in 0..panels {
+            for (x, weight) in GAUSS5 {
+                let v = (f64::from(panel) + x) / f64::from(panels);
+                let t = span * v * v * v;
+                let jacobian = 3.0 * span * v * v / f64::from(panels);
+                sum += 2.0 * weight * jacobian * self.autocorrelation(t) * t.ln();
+            }
+        }
+        self.half_width * sum.exp()
+    }
+
+    /// int phi(x) phi(x + t) dx over the support, in units of the half-width; degree 8, so exact.
+    fn autocorrelation(&self, t: f64) -> f64 {
+        let length = self.high - self.low - t;
+        GAUSS5
+            .iter()
+            .map(|(x, weight)| {
+                let at = self.low + length * x;
+                weight * length * bump(at) * bump(at + t)
+            })
+            .sum::<f64>()
+            / (self.mass * self.mass)
+    }
+}
+
+fn bump(t: f64) -> f64 {
+    let inside = (1.0 - t * t).max(0.0);
+    15.0 / 16.0 * inside * inside
+}
+
+/// Centre of mass of [`bump`] between `low` and `high`.
+fn mean(low: f64, high: f64) -> f64 {
+    let first = |t: f64| 15.0 / 16.0 * t * t * (0.5 - 0.5 * t * t + t.powi(4) / 6.0);
+    (first(high) - first(low)) / (cumulative(high) - cumulative(low))
+}
+
+/// Integral of [`bump`] from 0 to t.
+fn cumulative(t: f64) -> f64 {
+    15.0 / 16.0 * (t - 2.0 / 3.0 * t.powi(3) + 0.2 * t.powi(5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    /// The double integral cell by cell, the density constant and the logarithm exact in each.
+    fn by_cells(kernel: &Kernel, steps: usize) -> f64 {
+        let [low, high] = kernel.support();
+        let h = (high - low) / steps as f64;
+        let twice_integrated = |x: f64| {
+            if x == 0.0 {
+                0.0
+            } else {
+                x * x * (0.5 * x.abs().ln() - 0.75)
+            }
+        };
+        let mean_logarithm: Vec<f64> = (0..steps)
+            .map(|k| {
+                let x = k as f64 * h;
+                (twice_integrated(x + h) - 2.0 * twice_integrated(x) + twice_integrated(x - h))
+                    / (h * h)
+            })
+            .collect();
+        let mass: Vec<f64> = (0..steps)
+            .map(|i| kernel.density(low + (i as f64 + 0.5) * h) * h)
+            .collect();
+        let mut sum = 0.0;
+        for (i, p) in mass.iter().enumerate() {
+            for (j, q) in mass.iter().enumerate() {
+                sum += p * q * mean_logarithm[i.abs_diff(j)];
+            }
+        }
+        sum.exp()
+    }
+
+    #[test]
+    fn reference_length_is_the_logarithmic_self_distance_also_at_an_edge() {
+        for to_edge in [5.0, 0.4, 0.1, 0.0] {
+            let kernel = Kernel::new(0.6, 0.0, [-3.0, to_edge]);
+            let expected = by_cells(&kernel, 800);
+            assert_abs_diff_eq!(kernel.reference_length() / expected, 1.0, epsilon = 2e-5);
+        }
+    }
+
+    #[test]
+    fn mass_is_one_and_its_centre_on_the_line_up_to_a_third_of_the_width_from_the_edge() {
+        for to_edge in [5.0, 0.5, 0.3, 0.2, 0.0] {
+            let kernel = Kernel::new(0.6, 0.0, [-3.0, to_edge]);
+            let [low, high] = kernel.support();
+            assert!(high <= to_edge + 1e-12);
+            let points = GAUSS5.map(|(x, w)| (low + x * (high - low), w * (high - low)));
+            let moment = |power: i32| -> f64 {
+                let parts = points
+                    .iter()
+                    .map(|(x, w)| w * x.powi(power) * kernel.density(*x));
+                parts.sum()
+            };
+            assert_abs_diff_eq!(moment(0), 1.0, epsilon = 1e-14);
+            if to_edge >= 0.2 {
+                assert_abs_diff_eq!(moment(1), 0.0, epsilon = 1e-6);
+            }
+        }
+    }
 }

@@ -29,7 +29,6 @@ pub fn graded(length: f64, first: f64, growth: f64, largest: f64) -> Vec<f64> {
 pub fn graded_from_both(length: f64, first: [f64; 2], growth: f64, largest: f64) -> Vec<f64> {
     if first[0] == first[1] {
         let half = graded(0.5 * length, first[0].min(0.5 * length), growth, largest);
-        // One step in each half is enough.
         let half = if 0.5 * length <= 1.4 * first[0] {
             vec![0.0, 1.0]
         } else {

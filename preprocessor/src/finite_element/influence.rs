@@ -11,19 +11,15 @@ use nalgebra::DMatrix;
 /// own, is some hundred times the usual ones: these are kept to 1e-7, and segments average over many nodes.
 pub(super) const LARGEST: f64 = (1_u32 << 30) as f64;
 
-/// C_k, rows tooth k, columns tooth 0, in units.
+/// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Influence {
-    /// m/N (plane strain: m²/N).
     unit: f64,
-    /// Rows and columns of each matrix.
     nodes: usize,
-    /// Column by column, matrix by matrix.
     entries: Vec<i32>,
 }
 
 impl Influence {
-    /// Rounds square `matrices` of equal size.
     pub fn new(matrices: &[DMatrix<f64>]) -> Influence {
         let entries = || matrices.iter().flat_map(|m| m.as_slice());
         let largest = entries().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -43,7 +39,6 @@ impl Influence {
         self.entries.len() / (self.nodes * self.nodes).max(1)
     }
 
-    /// Value of one unit, m/N.
     pub fn unit(&self) -> f64 {
         self.unit
     }
@@ -59,13 +54,17 @@ impl Stored for Influence {
     fn encode(&self) -> Vec<u8> {
         let mut out = self.unit.to_le_bytes().to_vec();
         out.extend((self.nodes as u64).to_le_bytes());
-        out.extend((self.teeth() as u64).to_le_bytes());
-        for column in 0..self.teeth() * self.nodes {
-            for row in 0..self.nodes {
-                let (before, rest) = self.entries.split_at(column * self.nodes + row);
-                let neighbours = [row > 0, !column.is_multiple_of(self.nodes)];
-                let expected = expected(before, self.nodes, neighbours);
-                put(i64::from(rest[0]) - expected, &mut out);
+        let nothing = vec![0; self.nodes];
+        for matrix in self.entries.chunks((self.nodes * self.nodes).max(1)) {
+            let mut left = &nothing[..];
+            for column in matrix.chunks(self.nodes) {
+                let mut above = 0;
+                for (entry, left) in column.iter().zip(left) {
+                    let here = i64::from(*entry) - i64::from(*left);
+                    put(here - above, &mut out);
+                    above = here;
+                }
+                left = column;
             }
         }
         out
@@ -74,36 +73,27 @@ impl Stored for Influence {
     fn decode(mut bytes: &[u8]) -> Option<Influence> {
         let unit = f64::from_bits(word(&mut bytes)?);
         let nodes = usize::try_from(word(&mut bytes)?).ok()?;
-        let teeth = usize::try_from(word(&mut bytes)?).ok()?;
-        let count = nodes.checked_mul(nodes)?.checked_mul(teeth)?;
         // Every entry takes a byte at least.
-        if count > bytes.len() {
+        let size = nodes.checked_mul(nodes)?;
+        if size == 0 || size > bytes.len() {
             return None;
         }
-        let mut entries: Vec<i32> = Vec::with_capacity(count);
-        for column in 0..teeth * nodes {
-            for row in 0..nodes {
-                let neighbours = [row > 0, !column.is_multiple_of(nodes)];
-                let expected = expected(&entries, nodes, neighbours);
-                let entry = expected.checked_add(take(&mut bytes)?)?;
-                entries.push(i32::try_from(entry).ok()?);
+        let mut entries: Vec<i32> = Vec::new();
+        while !bytes.is_empty() {
+            let is_first = entries.len().is_multiple_of(size);
+            let mut here = 0;
+            for row in entries.len()..entries.len() + nodes {
+                here += take(&mut bytes)?;
+                let left = if is_first { 0 } else { entries[row - nodes] };
+                entries.push(i32::try_from(here + i64::from(left)).ok()?);
             }
         }
-        bytes.is_empty().then_some(Influence {
+        entries.len().is_multiple_of(size).then_some(Influence {
             unit,
             nodes,
             entries,
         })
     }
-}
-
-/// What follows the `entries`, columns of `nodes` each, as one expects by its neighbours where it `has` them: above, and to the left.
-fn expected(entries: &[i32], nodes: usize, has: [bool; 2]) -> i64 {
-    let neighbour = |there: bool, back: usize| match there {
-        true => i64::from(entries[entries.len() - back]),
-        false => 0,
-    };
-    neighbour(has[0], 1) + neighbour(has[1], nodes) - neighbour(has[0] && has[1], nodes + 1)
 }
 
 fn word(bytes: &mut &[u8]) -> Option<u64> {
@@ -170,7 +160,7 @@ mod tests {
     #[test]
     fn what_is_cut_or_too_long_is_not_read() {
         let mut bytes = Influence::new(&smooth()).encode();
-        for length in [0, 8, 23, 24, bytes.len() - 1] {
+        for length in [0, 8, 15, 16, bytes.len() - 1] {
             assert_eq!(Influence::decode(&bytes[..length]), None, "{length}");
         }
         bytes.push(0);

@@ -1,8 +1,9 @@
-//! The mesh of one sector, which [`super::extrusion`] makes, and the stiffness of its elements.
+//! The mesh of one sector, the section swept along the helix, and the stiffness of its elements.
 
 use super::element;
+use super::model::Model;
 use nalgebra::DMatrix;
-use std::collections::BTreeMap;
+use std::collections::{HashMap, HashSet};
 
 /// A node of the loaded flank and the outward unit normal there in the node's own cylindrical axes
 /// (radial, circumferential, axial).
@@ -14,14 +15,6 @@ pub(super) struct FlankNode {
 
 /// A sparse load, or functional of the displacement: (unknown, value), the unknowns numbered node by node.
 pub(super) type LoadColumn = Vec<(usize, f64)>;
-
-#[derive(Debug, Clone)]
-pub(super) struct Foundation {
-    /// Whether a node lies on the surface that rests on it.
-    pub nodes: Vec<bool>,
-    /// Stiffness per area in each direction, N/m³.
-    pub stiffness: f64,
-}
 
 /// One sector of the gear; displacements are in each node's own cylindrical axes, so that both sides of
 /// the sector match without a rotation.
@@ -37,29 +30,141 @@ pub(super) struct Mesh {
     pub elements: Vec<usize>,
     /// (column, row, layer) of each element.
     pub cells: Vec<[i32; 3]>,
+    /// Rigidly held nodes.
     pub held: Vec<bool>,
-    /// What the held surface rests on where it is not rigid.
-    pub foundation: Option<Foundation>,
-    /// Nodes of both sides in the same order.
+    /// Stiffness (N/m³, in each direction) of what the surface of certain nodes rests on, if it does.
+    pub foundation: Option<(f64, HashSet<usize>)>,
+    /// Free nodes of both sides in the same order.
     pub sides: [Vec<usize>; 2],
     /// Nodes of the loaded flank, in the order of [`super::flank::FlankGrid`].
     pub flank: Vec<FlankNode>,
-    /// Nodes of root circle and fillet beside the loaded flank, in the same order.
+    /// Nodes of root circle and fillet next to the loaded flank, in the same order.
     pub fillet: Vec<usize>,
-    /// Nodes within a side of a larger element, with the nodes of that side and their shares in the displacement
-    /// (in Cartesian axes): such a node has no unknowns of its own. None of the carrying nodes hangs.
-    pub hanging: BTreeMap<usize, Vec<(usize, f64)>>,
+}
+
+/// The mesh while it grows: its nodes by node of the section and half layer.
+struct Sweep<'a> {
+    model: &'a Model,
+    stations: &'a [f64],
+    twist: f64,
+    numbers: HashMap<(usize, usize), usize>,
+    mesh: Mesh,
+}
+
+impl Sweep<'_> {
+    /// Number of the node `node` of the section after `half` layers; a new one if there is none yet.
+    fn number(&mut self, node: usize, half: usize) -> usize {
+        let z = 0.5 * (self.stations[half / 2] + self.stations[half.div_ceil(2)]);
+        *self.numbers.entry((node, half)).or_insert_with(|| {
+            let Model {
+                gear,
+                section,
+                layers,
+                ..
+            } = self.model;
+            let mesh = &mut self.mesh;
+            let [r, theta] = section.nodes[node];
+            let angle = theta + self.twist * z;
+            let number = mesh.points.len();
+            mesh.points.push([r * angle.cos(), r * angle.sin(), z]);
+            mesh.angles.push(angle);
+            let at_end = half.is_multiple_of(2)
+                && layers
+                    .as_ref()
+                    .is_some_and(|layers| layers.is_held(half / 2));
+            let rests = section.held.binary_search(&node).is_ok();
+            mesh.held.push(at_end || rests && gear.foundation.is_none());
+            if let (true, Some((_, nodes))) = (rests, &mut mesh.foundation) {
+                nodes.insert(number);
+            }
+            number
+        })
+    }
+
+    fn add_elements(&mut self) {
+        let section = &self.model.section;
+        for (quad, cell) in section.quads.iter().zip(&section.cells) {
+            let Some(layers) = &self.model.layers else {
+                let nodes = quad.map(|node| self.number(node, 0));
+                self.mesh.elements.extend(nodes);
+                self.mesh.cells.push([cell[0], cell[1], 0]);
+                continue;
+            };
+            let width = section.width(*cell);
+            for layer in (0..self.stations.len() - 1).filter(|i| layers.holds(width, *i)) {
+                for (nodes, half) in [(&quad[..], 0), (&quad[..], 2), (&quad[..4], 1)] {
+                    for node in nodes {
+                        let number = self.number(*node, 2 * layer + half);
+                        self.mesh.elements.push(number);
+                    }
+                }
+                self.mesh.cells.push([cell[0], cell[1], layer as i32]);
+            }
+        }
+    }
+
+    fn find_sides(&mut self) {
+        let [left, right] = &self.model.section.sides;
+        let twins: HashMap<_, _> = left.iter().zip(right).collect();
+        let mut all: Vec<_> = self.numbers.iter().collect();
+        all.sort_unstable_by_key(|(_, number)| **number);
+        for ((node, half), number) in all {
+            if let (Some(twin), false) = (twins.get(node), self.mesh.held[*number]) {
+                self.mesh.sides[0].push(*number);
+                self.mesh.sides[1].push(self.numbers[&(**twin, *half)]);
+            }
+        }
+    }
+
+    fn find_surface(&mut self) {
+        let Model {
+            outline,
+            section,
+            layers,
+            ..
+        } = self.model;
+        let face = layers.as_ref().map_or(0..0, |layers| layers.face.clone());
+        for half in 2 * face.start..=2 * face.end {
+            let number = |node: usize| self.numbers.get(&(node, half)).copied();
+            let fillet = section.fillet.iter().map(|(node, _)| *node);
+            self.mesh.fillet.extend(fillet.filter_map(number));
+            for (node, arc) in &section.flank {
+                let Some(number) = number(*node) else {
+                    continue;
+                };
+                // The surface contains the helix direction (0, r twist, 1).
+                let [n_r, n_t] = outline.normal(*arc);
+                let n_z = -n_t * section.nodes[*node][0] * self.twist;
+                let norm = n_z.hypot(1.0);
+                self.mesh.flank.push(FlankNode {
+                    node: number,
+                    normal: [n_r / norm, n_t / norm, n_z / norm],
+                });
+            }
+        }
+    }
 }
 
 impl Mesh {
-    /// The mesh with its held nodes on a foundation of the given stiffness (N/m³), if there is one.
-    pub fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
-        if let Some(stiffness) = foundation {
-            let free = vec![false; self.held.len()];
-            let nodes = std::mem::replace(&mut self.held, free);
-            self.foundation = Some(Foundation { nodes, stiffness });
-        }
-        self
+    /// The section of `model` itself for plane strain, or swept through its layers along the helix without what lies outside of
+    /// rim, web and hub.
+    pub fn new(model: &Model) -> Mesh {
+        let layers = model.layers.as_ref();
+        let mut sweep = Sweep {
+            model,
+            stations: layers.map_or(&[0.0], |layers| &layers.stations),
+            twist: layers.map_or(0.0, |_| model.twist()),
+            numbers: HashMap::new(),
+            mesh: Mesh {
+                dimension: if layers.is_some() { 3 } else { 2 },
+                foundation: (model.gear.foundation).map(|stiffness| (stiffness, HashSet::new())),
+                ..Mesh::default()
+            },
+        };
+        sweep.add_elements();
+        sweep.find_sides();
+        sweep.find_surface();
+        sweep.mesh
     }
 
     /// Unit normal loads on the flank nodes.
@@ -69,7 +174,6 @@ impl Mesh {
         self.flank.iter().map(load).collect()
     }
 
-    /// 8 (plane) or 20 (solid).
     pub fn nodes_per_element(&self) -> usize {
         if self.dimension == 2 { 8 } else { 20 }
     }
@@ -78,74 +182,39 @@ impl Mesh {
         self.elements.chunks(self.nodes_per_element())
     }
 
-    /// The nodes whose unknowns the element with `nodes` knows: its own and, in place of one that hangs, those that
-    /// carry it; each once.
-    pub fn carrying(&self, nodes: &[usize]) -> Vec<usize> {
-        if !nodes.iter().any(|node| self.hanging.contains_key(node)) {
-            return nodes.to_vec();
-        }
-        let mut all = Vec::new();
-        for (carrier, _) in nodes.iter().flat_map(|node| self.carriers(*node)) {
-            if !all.contains(&carrier) {
-                all.push(carrier);
-            }
-        }
-        all
-    }
-
-    /// The nodes that `node` follows, with their shares: itself unless it hangs.
-    fn carriers(&self, node: usize) -> Vec<(usize, f64)> {
-        let carriers = self.hanging.get(&node).cloned();
-        carriers.unwrap_or_else(|| vec![(node, 1.0)])
+    /// Nodes of the element with this number.
+    pub fn nodes(&self, element: usize) -> &[usize] {
+        let size = self.nodes_per_element();
+        &self.elements[size * element..size * (element + 1)]
     }
 
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
         element.iter().map(|node| self.points[*node]).collect()
     }
 
-    /// Nodes whose unknowns the element with `nodes` knows ([`Mesh::carrying`]), and its stiffness, N/m, with the displacements of
-    /// each in its own cylindrical axes. `material`: Young's modulus, Pa, and Poisson ratio.
-    pub fn stiffness(&self, nodes: &[usize], material: [f64; 2]) -> (Vec<usize>, DMatrix<f64>) {
+    /// Stiffness of the element with `nodes`, N/m, the displacements of each in its own cylindrical axes. `material`: Young's
+    /// modulus, Pa, and Poisson ratio.
+    pub fn stiffness(&self, nodes: &[usize], material: [f64; 2]) -> DMatrix<f64> {
         let x = self.coordinates(nodes);
         let (lambda, mu) = element::lame(material[0], material[1]);
         let mut k = element::stiffness(&x, lambda, mu);
-        if let Some(foundation) = &self.foundation {
-            let rests: Vec<bool> = nodes.iter().map(|node| foundation.nodes[*node]).collect();
-            element::add_foundation(&x, &rests, foundation.stiffness, &mut k);
-        }
-        let carrying = self.carrying(nodes);
-        if carrying != nodes {
-            let shares = self.shares(nodes, &carrying);
-            k = shares.tr_mul(&(k * &shares));
+        if let Some((stiffness, surface)) = &self.foundation {
+            let rests: Vec<bool> = nodes.iter().map(|node| surface.contains(node)).collect();
+            element::add_foundation(&x, &rests, *stiffness, &mut k);
         }
         // Symmetric: turned columns become rows, and then they are turned, too.
         for _ in 0..2 {
             k.transpose_mut();
-            for (at, node) in carrying.iter().enumerate() {
+            for (first, node) in nodes.iter().enumerate() {
                 let (sin, cos) = self.angles[*node].sin_cos();
-                let first = self.dimension * at;
+                let first = self.dimension * first;
                 let (mut x, mut y) = k.columns_range_pair_mut(first, first + 1);
                 for (x, y) in x.iter_mut().zip(y.iter_mut()) {
                     (*x, *y) = (cos * *x + sin * *y, cos * *y - sin * *x);
                 }
             }
         }
-        (carrying, k)
-    }
-
-    /// The displacements of `nodes` by those of the nodes `carrying` them.
-    fn shares(&self, nodes: &[usize], carrying: &[usize]) -> DMatrix<f64> {
-        let d = self.dimension;
-        let mut shares = DMatrix::zeros(d * nodes.len(), d * carrying.len());
-        for (row, node) in nodes.iter().enumerate() {
-            let carriers = self.carriers(*node);
-            for (column, node) in carrying.iter().enumerate() {
-                if let Some((_, share)) = carriers.iter().find(|(carrier, _)| carrier == node) {
-                    (0..d).for_each(|i| shares[(d * row + i, d * column + i)] = *share);
-                }
-            }
-        }
-        shares
+        k
     }
 
     /// Volume (plane: area) of the mesh, and the smallest ratio of an integration point's Jacobian to

@@ -12,7 +12,7 @@
 //! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
 //! the flank nodes of tooth 0.
 //!
-//! A [`Segment`] is a line load spread across its contact line by a smooth kernel (`kernel`); weights f
+//! A [`Segment`] is a line load spread across its contact line by a smooth kernel; weights f
 //! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
 //! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
 //! does not depend on the kernel's width.
@@ -22,13 +22,11 @@ mod condensation;
 mod dense;
 mod element;
 mod error;
-mod extrusion;
 mod fillet;
 mod flank;
 mod grading;
 mod harmonics;
 mod influence;
-mod kernel;
 mod layers;
 mod mesh;
 mod model;
@@ -37,18 +35,15 @@ mod pair;
 mod ring;
 mod root_stress;
 mod section;
-mod sector;
 mod settings;
 
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
-pub use model::Stage;
+pub use model::{Stage, centre_line_compliance, sector_unknowns};
 pub use pair::{PairCompliance, pair_root_stress};
 pub use root_stress::{RootField, RootPoint, RootStress, SpreadSegments};
-pub use sector::{centre_line_compliance, sector_unknowns};
 pub use settings::{Discretization, Settings};
 
-use cache::gear_in_words;
 use flank::{FlankGrid, Weights};
 use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::gear::Gear;
@@ -64,7 +59,6 @@ pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
 #[derive(Debug, Clone)]
 pub struct FiniteElementCompliance {
     grid: FlankGrid,
-    /// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
     influence: Influence,
     plane_strain: bool,
     /// Of the base helix; plane strain alone needs it.
@@ -86,12 +80,8 @@ impl FiniteElementCompliance {
         Ok(Self::cached(gear, settings, None, progress)?.0)
     }
 
-    /// As [`FiniteElementCompliance::new`], by way of `cache` if there is one. An unusable cache costs the time of a computation;
-    /// [`Origin`] says so.
-    ///
-    /// # Errors
-    /// Those of [`FiniteElementCompliance::new`].
-    pub fn cached(
+    /// As [`FiniteElementCompliance::new`], by way of `cache` if there is one.
+    fn cached(
         gear: &Gear,
         settings: &Settings,
         cache: Option<&ModelCache>,
@@ -99,10 +89,8 @@ impl FiniteElementCompliance {
     ) -> Result<(Self, Origin), FiniteElementError> {
         let one = |gear: &Gear| -> Result<(Self, Origin), FiniteElementError> {
             let model = Model::new(gear, settings)?;
-            let words = gear_in_words(gear);
-            let (influence, origin) = cache::get(cache, &model, settings.reach, &words, || {
-                Ok(Influence::new(&model.influence(settings.reach, progress)?))
-            })?;
+            let compute = || Ok(Influence::new(&model.influence(progress)?));
+            let (influence, origin) = cache::get(cache, &model, "", compute)?;
             let found = FiniteElementCompliance {
                 grid: model.grid,
                 influence,
@@ -124,27 +112,12 @@ impl FiniteElementCompliance {
         Ok((model, origin))
     }
 
-    /// Whether `cache` holds the model of `gear`, sound or not, and that of the gear turned end for end if its body asks for it.
-    fn is_kept(
-        gear: &Gear,
-        settings: &Settings,
-        cache: &ModelCache,
-    ) -> Result<bool, FiniteElementError> {
-        for gear in gear.turned().iter().chain([gear]) {
-            let model = Model::new(gear, settings)?;
-            if !cache.holds(&model, settings.reach, &gear_in_words(gear)) {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
     /// Largest difference of tooth numbers that [`ToothCompliance::bulk`] accepts.
     pub fn reach(&self) -> usize {
         self.influence.teeth() - 1
     }
 
-    /// Factor of the influence of segment `j` on segment `i` beyond that of their weights.
+    /// Factor of the influence of two segments on each other beyond that of their weights.
     fn slice_factor(&self, a: &Segment, b: &Segment) -> f64 {
         if !self.plane_strain {
             return 1.0;
@@ -161,24 +134,23 @@ impl FiniteElementCompliance {
 
 impl ToothCompliance for FiniteElementCompliance {
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
-        let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
-        let mut teeth: Vec<i32> = segments.iter().map(|s| s.tooth).collect();
-        teeth.sort_unstable();
-        teeth.dedup();
-        if let (Some(first), Some(last)) = (teeth.first(), teeth.last()) {
-            let distance = last.abs_diff(*first) as usize;
-            if distance > self.reach() {
-                return Err(BeyondModel {
-                    distance,
-                    reach: self.reach(),
-                });
-            }
+        let teeth = || segments.iter().map(|s| s.tooth);
+        let (first, last) = (teeth().min().unwrap_or(0), teeth().max().unwrap_or(0));
+        let (distance, reach) = (last.abs_diff(first) as usize, self.reach());
+        if distance > reach {
+            return Err(BeyondModel { distance, reach });
         }
+        let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
         let mut matrix = DMatrix::zeros(segments.len(), segments.len());
         let mut displacement = vec![0.0; self.grid.len()];
         for (j, load) in weights.iter().enumerate() {
-            for tooth in teeth.iter().filter(|t| **t >= segments[j].tooth) {
+            for tooth in segments[j].tooth..=last {
                 let offset = (tooth - segments[j].tooth) as usize;
+                let on_tooth = |i: &usize| segments[*i].tooth == tooth && (offset > 0 || j <= *i);
+                let observed: Vec<usize> = (0..segments.len()).filter(on_tooth).collect();
+                if observed.is_empty() {
+                    continue;
+                }
                 displacement.fill(0.0);
                 for (node, weight) in load {
                     let weight = weight * self.influence.unit();
@@ -187,14 +159,9 @@ impl ToothCompliance for FiniteElementCompliance {
                         *u += weight * f64::from(*c);
                     }
                 }
-                for (i, response) in weights.iter().enumerate() {
-                    if segments[i].tooth != *tooth || (offset == 0 && i < j) {
-                        continue;
-                    }
-                    let value: f64 = response
-                        .iter()
-                        .map(|(node, w)| w * displacement[*node])
-                        .sum();
+                for i in observed {
+                    let response = weights[i].iter();
+                    let value: f64 = response.map(|(node, w)| w * displacement[*node]).sum();
                     let value = value * self.slice_factor(&segments[i], &segments[j]);
                     matrix[(i, j)] = value;
                     matrix[(j, i)] = value;

@@ -1,13 +1,16 @@
 //! From a gear to the influence matrices of its flank nodes.
 
 use super::condensation::condense;
+use super::element::{QUAD8, shape};
 use super::flank::FlankGrid;
 use super::layers::Layers;
 use super::mesh::{LoadColumn, Mesh};
 use super::outline::Outline;
 use super::section::Section;
 use super::{FiniteElementError, Progress, Settings, harmonics, ring};
+use gearmesh::compliance::Segment;
 use gearmesh::gear::{Gear, LEAST_WALL, ToothProfile};
+use gearmesh::words::rounded;
 use nalgebra::DMatrix;
 use std::ops::RangeInclusive;
 
@@ -22,12 +25,6 @@ pub enum Stage {
     Ring,
 }
 
-/// How much the section of `gear` turns along z, rad/m; right-handed.
-pub(super) fn twist(gear: &Gear) -> f64 {
-    gear.base_helix_angle().tan() / gear.base_radius()
-}
-
-/// What the mesh of one gear is made of.
 pub(super) struct Model {
     pub gear: Gear,
     pub outline: Outline,
@@ -35,21 +32,22 @@ pub(super) struct Model {
     /// None in plane strain.
     pub layers: Option<Layers>,
     pub grid: FlankGrid,
+    /// Largest difference of tooth numbers between load and displacement.
+    pub reach: usize,
 }
 
 impl Model {
-    /// Meshes the section of one sector of `gear`.
     pub fn new(gear: &Gear, settings: &Settings) -> Result<Model, FiniteElementError> {
         let outline = Outline::new(&ToothProfile::new(gear)?);
         let m = gear.normal_module;
-        let least = LEAST_WALL * m;
-        let rim = gear.kappa() * (gear.root_radius() - gear.held_radius);
+        let (held, root, least) = (gear.held_radius, gear.root_radius(), LEAST_WALL * m);
+        let [held_mm, root_mm, least_mm] = [held, root, least].map(|length| 1e3 * length);
+        let rim = gear.kappa() * (root - held);
         if rim.is_nan() || rim < least {
-            return Err(FiniteElementError::Rim {
-                held_mm: 1e3 * gear.held_radius,
-                root_mm: 1e3 * gear.root_radius(),
-                least_mm: 1e3 * least,
-            });
+            return Err(FiniteElementError::Body(format!(
+                "the held surface (bore_diameter_mm or rim_diameter_mm) at the radius {held_mm:.3} mm leaves less \
+                 than {least_mm:.3} mm of rim to the root circle at {root_mm:.3} mm; change that diameter"
+            )));
         }
         if let Some(body) = gear.body {
             let ([w0, w1], [h0, h1]) = (body.web, body.hub);
@@ -58,24 +56,24 @@ impl Model {
                 false => body.hub_radius < body.rim_radius && 0.0 <= w0 && w1 <= gear.face_width,
             };
             let joins = parts
-                && gear.held_radius <= body.hub_radius
-                && body.rim_radius < gear.root_radius() - least
+                && held <= body.hub_radius
+                && body.rim_radius < root - least
                 && w0 < w1
                 && (h0 <= w0 && w1 <= h1 && (h1 - h0).is_finite());
             if !joins {
-                return Err(FiniteElementError::Body {
-                    rim_mm: 1e3 * body.rim_radius,
-                    hub_mm: 1e3 * body.hub_radius,
-                    held_mm: 1e3 * gear.held_radius,
-                    root_mm: 1e3 * gear.root_radius(),
-                });
+                let [rim_mm, hub_mm] = [body.rim_radius, body.hub_radius].map(|r| 1e3 * r);
+                return Err(FiniteElementError::Body(format!(
+                    "rim, web and hub do not join: the inside of the rim at the radius {rim_mm:.3} mm, the hub at \
+                     {hub_mm:.3} mm, the held surface at {held_mm:.3} mm; give radii that fall in this order from \
+                     the root circle at {root_mm:.3} mm, a web within the face and a hub that encloses it"
+                )));
+            }
+            if settings.plane_strain {
+                return Err(FiniteElementError::PlaneBody);
             }
         }
         let sizes = settings.discretization;
-        let section = Section::new(&outline, &sizes, m);
-        if settings.plane_strain && gear.body.is_some() {
-            return Err(FiniteElementError::PlaneBody);
-        }
+        let section = Section::new(gear, &outline, &sizes);
         let layers = (!settings.plane_strain).then(|| Layers::new(gear, &sizes));
         let stations = layers.as_ref().map_or(&[0.0][..], Layers::of_face);
         Ok(Model {
@@ -84,35 +82,32 @@ impl Model {
             outline,
             section,
             layers,
+            reach: settings.reach,
         })
     }
 
-    /// The mesh of the sector.
-    pub fn mesh(&self) -> Mesh {
-        let twist = twist(&self.gear);
-        Mesh::new(&self.section, &self.outline, self.layers.as_ref(), twist)
-            .rested_on(self.gear.foundation)
+    /// How much the section turns along z, rad/m; right-handed.
+    pub fn twist(&self) -> f64 {
+        self.gear.base_helix_angle().tan() / self.gear.base_radius()
     }
 
-    /// Everything that the mesh and its stiffness depend on, in words.
+    /// Everything that the mesh, its stiffness and what is asked of it depend on, in words.
     pub fn identity(&self) -> String {
-        let rows = self
-            .layers
-            .as_ref()
-            .map(|layers| layers.of_rows(&self.section.rows));
-        let gear = (
-            self.gear.teeth,
-            self.material(),
-            self.gear.foundation,
-            twist(&self.gear),
-        );
-        let Model {
-            outline,
-            section,
-            layers,
-            ..
-        } = self;
-        format!("{:?}", (gear, outline, section, layers, rows))
+        let gear = (self.gear.teeth, self.material(), self.gear.foundation);
+        let mesh = (self.twist(), &self.outline, &self.section, &self.layers);
+        format!("{:?}", (self.reach, gear, mesh))
+    }
+
+    /// The gear, for people.
+    pub fn in_words(&self) -> String {
+        let gear = &self.gear;
+        format!(
+            "{} teeth, module {} mm, helix {} deg, face width {} mm",
+            gear.teeth,
+            rounded(1e3 * gear.normal_module),
+            rounded(gear.helix_angle.to_degrees()),
+            rounded(1e3 * gear.face_width)
+        )
     }
 
     /// Young's modulus, Pa, and Poisson ratio.
@@ -120,18 +115,17 @@ impl Model {
         [self.gear.youngs_modulus, self.gear.poisson_ratio]
     }
 
-    /// Influence of the flank nodes up to `reach` teeth away, see [`super::FiniteElementCompliance`].
+    /// Influence of the flank nodes, see [`super::FiniteElementCompliance`].
     pub fn influence(
         &self,
-        reach: usize,
         progress: &Progress<'_>,
     ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
-        let mesh = self.mesh();
+        let mesh = Mesh::new(self);
         let loads = mesh.loads();
-        self.response(&mesh, &loads, loads.len(), 0..=reach as i32, progress)
+        self.response(&mesh, &loads, loads.len(), 0..=self.reach as i32, progress)
     }
 
-    /// Displacements of [`Model::mesh`] along the functionals, which are `columns` behind the first `loads` (all where there are no
+    /// Displacements of the `mesh` of this model along the functionals, which are `columns` behind the first `loads` (all where there are no
     /// others), in `sectors` under unit loads in sector 0.
     pub fn response(
         &self,
@@ -143,7 +137,7 @@ impl Model {
     ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
         let (_, quality) = mesh.volume_and_quality();
         if quality.is_nan() || quality <= 0.0 {
-            return Err(FiniteElementError::FoldedElement { quality });
+            return Err(FiniteElementError::FoldedElement(quality));
         }
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
@@ -157,4 +151,96 @@ impl Model {
             progress(Stage::Ring, share)
         })
     }
+}
+
+/// How many displacements of one sector of `gear` are free.
+///
+/// # Errors
+/// As [`super::FiniteElementCompliance::new`]: no usable tooth, too thin a rim.
+pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
+    let mesh = Mesh::new(&Model::new(gear, settings)?);
+    let free = mesh.held.iter().filter(|held| !**held).count();
+    Ok(mesh.dimension * free)
+}
+
+/// Compliance of a tooth in plane strain, m²/N: displacement along the load line where it crosses the tooth's
+/// centre line, per load and length of face, for a load on the involute at the radius `radius`, m. Bending, shear,
+/// base and body are in it, the contact is not.
+///
+/// # Errors
+/// As [`super::FiniteElementCompliance::new`]; [`FiniteElementError::NoCrossing`] if the load line does not cross
+/// the centre line within the gear.
+pub fn centre_line_compliance(
+    gear: &Gear,
+    settings: &Settings,
+    radius: f64,
+) -> Result<f64, FiniteElementError> {
+    let plane = Settings {
+        plane_strain: true,
+        ..*settings
+    };
+    let model = Model::new(gear, &plane)?;
+    let roll = gear.roll_length(radius);
+    let segment = Segment {
+        tooth: 0,
+        z: [0.0, 1.0],
+        roll: [roll; 2],
+    };
+    let mesh = Mesh::new(&model);
+    let of_nodes = mesh.loads();
+    let weights = model.grid.weights(&segment);
+    let load = (weights.iter())
+        .flat_map(|(node, w)| of_nodes[*node].iter().map(move |(at, n)| (*at, w * n)))
+        .collect();
+    // Direction of the normal, from the x axis; the load line touches the base circle.
+    let pressure_angle = (roll / gear.base_radius()).atan();
+    let angle = gear.half_base_angle() - (roll / gear.base_radius() - pressure_angle);
+    let direction = angle + std::f64::consts::FRAC_PI_2 - pressure_angle;
+    let crossing = gear.base_radius() / direction.sin();
+    let observed = shape_functions_at(&mesh, crossing)
+        .ok_or(FiniteElementError::NoCrossing(1e3 * crossing))?
+        .into_iter()
+        .flat_map(|(node, n)| {
+            // Components in the node's own axes.
+            let turned = direction - mesh.angles[node];
+            [
+                (2 * node, n * turned.cos()),
+                (2 * node + 1, n * turned.sin()),
+            ]
+        })
+        .collect();
+    let influence = model.response(&mesh, &[load, observed], 2, 0..=0, &|_, _| true)?;
+    Ok(influence[0][(1, 0)])
+}
+
+/// Shape functions at the point (x, 0) of a plane mesh, by node; None outside of it.
+fn shape_functions_at(mesh: &Mesh, x: f64) -> Option<Vec<(usize, f64)>> {
+    for nodes in mesh.connectivity() {
+        let at = mesh.coordinates(nodes);
+        let mut xi = [0.0; 3];
+        for _ in 0..20 {
+            let (mut p, mut j) = ([-x, 0.0], [[0.0; 2]; 2]);
+            for (c, at) in QUAD8.iter().zip(&at) {
+                let (n, g) = shape(2, c, &xi);
+                for d in 0..2 {
+                    p[d] += n * at[d];
+                    j[d][0] += g[0] * at[d];
+                    j[d][1] += g[1] * at[d];
+                }
+            }
+            let det = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+            xi[0] -= (j[1][1] * p[0] - j[0][1] * p[1]) / det;
+            xi[1] -= (j[0][0] * p[1] - j[1][0] * p[0]) / det;
+            xi = xi.map(|v: f64| v.clamp(-2.0, 2.0));
+        }
+        if xi[0].abs() <= 1.0 + 1e-9 && xi[1].abs() <= 1.0 + 1e-9 {
+            let weights = nodes.iter().zip(&QUAD8);
+            return Some(
+                weights
+                    .map(|(node, c)| (*node, shape(2, c, &xi).0))
+                    .collect(),
+            );
+        }
+    }
+    None
 }

@@ -1,6 +1,6 @@
 //! Half a tooth in the transverse section as a curve by arc length: what the mesh needs of a gear.
 
-use gearmesh::gear::{Body, GearKind, ToothProfile};
+use gearmesh::gear::{GearKind, ToothProfile};
 
 /// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
 pub(super) type Polar = [f64; 2];
@@ -19,16 +19,8 @@ pub(super) struct Outline {
     /// +1 external teeth, -1 ring.
     pub kappa: f64,
     pub base_radius: f64,
-    pub held_radius: f64,
-    /// Rim, web and hub; None: a full disc.
-    pub body: Option<Body>,
-    /// Whether the bore or a ring's outside is free to move: it rests on an elastic foundation, or a shaft is held at its ends.
-    pub is_free: bool,
-    /// Roll length at the form point, m.
     pub form_roll: f64,
-    /// Arc length at the tip, m.
     pub tip_arc: f64,
-    /// Half tooth angle at the base circle, rad.
     base_half_angle: f64,
     /// From the form point to the middle of the space, with the arc length (<= 0) of each point.
     below: Vec<(f64, Polar)>,
@@ -45,9 +37,6 @@ impl Outline {
         let mut outline = Outline {
             kappa: gear.kappa(),
             base_radius: gear.base_radius(),
-            held_radius: gear.held_radius,
-            body: gear.body,
-            is_free: gear.foundation.is_some() || gear.body.is_some_and(|body| body.is_shaft()),
             form_roll: profile.form_roll(),
             tip_arc: 0.0,
             base_half_angle,
@@ -81,14 +70,11 @@ impl Outline {
         outline
     }
 
-    /// Arc length at the length of roll `roll`, m. Above the base circle this is also how a contact
-    /// just below the form point is placed.
+    /// Arc length at the length of roll `roll`, m; it also places a contact just below the form point.
     pub fn arc_at_roll(&self, roll: f64) -> f64 {
-        // A ring's tip is the inner end, so that its arc length counts against the roll.
         self.kappa * (roll * roll - self.form_roll * self.form_roll) / (2.0 * self.base_radius)
     }
 
-    /// Arc length at the middle of the space, m (negative).
     pub fn space_arc(&self) -> f64 {
         self.below[self.below.len() - 1].0
     }

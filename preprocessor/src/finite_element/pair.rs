@@ -1,5 +1,6 @@
 //! The models of both gears of a pair.
 
+use super::model::Model;
 use super::{
     FiniteElementCompliance, FiniteElementError, ModelCache, Origin, Progress, RootStress,
     Settings, Stage,
@@ -30,8 +31,14 @@ impl PairCompliance {
         settings: &Settings,
         cache: &ModelCache,
     ) -> Result<bool, FiniteElementError> {
-        let kept = |i: usize| FiniteElementCompliance::is_kept(&pair.gears[i], settings, cache);
-        Ok(both(&pair.gears, kept)? == [true; 2])
+        for gear in &pair.gears {
+            for gear in gear.turned().iter().chain([gear]) {
+                if !cache.holds(&Model::new(gear, settings)?) {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// Computes both models, or reads them from the cache if there is one. `progress` is

@@ -5,7 +5,7 @@
 //! fillet ([`super::fillet`]) are functionals of the displacement; carried along as columns beside the loads they give
 //! the map without a backward solution (reciprocity).
 
-use super::cache::{Stored, gear_in_words, get};
+use super::cache::{Stored, get};
 use super::fillet::{COMPONENTS, FilletGrid};
 use super::flank::{FlankGrid, Weights};
 use super::mesh::{LoadColumn, Mesh};
@@ -103,14 +103,11 @@ impl Settings {
     }
 }
 
-/// Elements along the fillet over those of the level along the flank.
 const FILLET_OVER_FLANK: f64 = 0.8;
-/// Elements along the flank over those of the level.
 const FLANK_OVER_FLANK: f64 = 1.5;
 /// Units in the largest entry of a column: 2e-5 of it are the rounding.
 pub(super) const LARGEST: f64 = 32_000.0;
-/// Over the normal module: width over which the kernel of level normal spreads a line load. So near to a load the stress is that of its
-/// spreading: under the concentrated load at a tip corner it has no limit as the kernel becomes narrower.
+/// Over the normal module: distance from a load within which the stress is that of its spreading, without limit at a tip corner.
 const LOCAL_OVER_MODULE: f64 = 0.45;
 /// Half-width of the load kernel over the element: what the kernel needs to be resolved.
 const KERNEL_OVER_ELEMENT: f64 = 1.25;
@@ -129,21 +126,17 @@ impl RootStress {
     }
 
     /// As [`RootStress::new`], by way of `cache` if there is one.
-    ///
-    /// # Errors
-    /// Those of [`RootStress::new`].
-    pub fn cached(
+    pub(super) fn cached(
         gear: &Gear,
         settings: &Settings,
         cache: Option<&ModelCache>,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
-        let mesh = model.mesh();
+        let mesh = Mesh::new(&model);
         let (fillet, stress) = FilletGrid::new(&model, &mesh);
-        let what = format!("root stress, {}", gear_in_words(gear));
-        let (map, origin) = get(cache, &model, settings.reach, &what, || {
-            Map::new(&model, &mesh, &stress, settings.reach, progress)
+        let (map, origin) = get(cache, &model, "root stress, ", || {
+            Map::new(&model, &mesh, &stress, progress)
         })?;
         let found = RootStress {
             loads: model.grid,
@@ -200,27 +193,29 @@ impl RootStress {
         let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
         let mut stress = vec![0.0; points];
         let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];
-        for ((segment, weights), force) in segments.0.iter().zip(loads) {
-            if *force == 0.0 {
-                continue;
-            }
+        let mut beside = Vec::new();
+        let loaded = segments
+            .0
+            .iter()
+            .zip(loads)
+            .filter(|(_, force)| **force != 0.0);
+        for ((segment, weights), force) in loaded {
             let away = tooth - segment.tooth;
-            if away.unsigned_abs() as usize > self.reach {
-                return Err(BeyondModel {
-                    distance: away.unsigned_abs() as usize,
-                    reach: self.reach,
-                });
+            let (distance, reach) = (away.unsigned_abs() as usize, self.reach);
+            if distance > reach {
+                return Err(BeyondModel { distance, reach });
             }
-            let forces = &mut forces[(away + self.reach as i32) as usize];
+            if away == 0 && *force > 0.0 {
+                beside.push(segment);
+            }
+            let forces = &mut forces[(away + reach as i32) as usize];
             for (node, weight) in weights {
                 forces[*node] += weight * force;
             }
         }
         let columns = self.map.units.iter().zip(self.map.entries.chunks(points));
-        for (force, (unit, column)) in forces.iter().flatten().zip(columns) {
-            if *force == 0.0 {
-                continue;
-            }
+        let forces = forces.iter().flatten().zip(columns);
+        for (force, (unit, column)) in forces.filter(|(force, _)| **force != 0.0) {
             let force = force * f64::from(*unit);
             for (s, c) in stress.iter_mut().zip(column) {
                 *s += force * f64::from(*c);
@@ -230,24 +225,16 @@ impl RootStress {
             let (mean, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
             mean + half.hypot(s[2])
         });
-        let loaded = segments.0.iter().zip(loads);
-        let beside = loaded.filter(|((segment, _), force)| segment.tooth == tooth && **force > 0.0);
-        let beside: Vec<&Segment> = beside.map(|((segment, _), _)| segment).collect();
+        let places = self.fillet.z.iter();
         Ok(RootField {
             fillet: &self.fillet,
             tangent: self.tangent,
-            clear: self
-                .fillet
-                .z
-                .iter()
-                .map(|z| self.clear(*z, &beside))
-                .collect(),
+            clear: places.map(|z| self.clear(*z, &beside)).collect(),
             principal: principal.collect(),
         })
     }
 
-    /// How many places along the profile at `z` lie farther than `local` from the `loaded` segments of this tooth; at least the one in the
-    /// middle of the space.
+    /// How many places along the profile at `z` lie farther than `local` from the `loaded` segments of this tooth; at least one.
     fn clear(&self, z: f64, loaded: &[&Segment]) -> usize {
         let lowest = loaded.iter().filter_map(|segment| {
             let nearest = z.clamp(segment.z[0], segment.z[1]);
@@ -266,14 +253,13 @@ impl Map {
         model: &Model,
         mesh: &Mesh,
         stress: &[LoadColumn],
-        reach: usize,
         progress: &Progress<'_>,
     ) -> Result<Map, FiniteElementError> {
         let mut columns = mesh.loads();
         let loads = columns.len();
         columns.extend_from_slice(stress);
-        let sectors = -(reach as i32)..=reach as i32;
-        let response = model.response(mesh, &columns, loads, sectors, progress)?;
+        let reach = model.reach as i32;
+        let response = model.response(mesh, &columns, loads, -reach..=reach, progress)?;
         let mut map = Map {
             entries: Vec::new(),
             units: Vec::new(),
@@ -303,13 +289,19 @@ impl RootField<'_> {
     /// involute, at the place `number` along the face.
     pub fn profile(&self, number: usize) -> impl Iterator<Item = RootPoint> {
         let fillet = self.fillet;
-        let n = fillet.radii.len();
-        (0..n).map(move |i| RootPoint {
-            stress: self.principal[number * n + i],
+        let points = self.stress(number).iter().enumerate();
+        points.map(move |(i, stress)| RootPoint {
+            stress: *stress,
             z: fillet.z[number],
             radius: fillet.radii[i],
             tangent: fillet.tangents[i],
         })
+    }
+
+    /// Largest principal stress at the places along the profile, Pa.
+    fn stress(&self, number: usize) -> &[f64] {
+        let n = self.fillet.arcs.len();
+        &self.principal[number * n..][..n]
     }
 
     /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on the flank of this tooth: there
@@ -321,65 +313,50 @@ impl RootField<'_> {
 
     /// The same at the place `number` along the face.
     pub fn largest_at(&self, number: usize) -> RootPoint {
-        let n = self.fillet.radii.len();
-        let stress = &self.principal[number * n..(number + 1) * n];
-        let clear = self.clear[number];
+        let (stress, arcs, clear) = (self.stress(number), &self.fillet.arcs, self.clear[number]);
         let top = (0..clear).max_by(|a, b| stress[*a].total_cmp(&stress[*b]));
         let i = top.unwrap_or(0);
         if i == 0 || i + 1 == clear {
-            return self.at_arc(number, self.fillet.arcs[i]);
+            return self.at_arc(number, arcs[i]);
         }
-        let at = |k: usize| {
-            (
-                self.fillet.arcs[k] - self.fillet.arcs[i],
-                stress[k] - stress[i],
-            )
-        };
-        let ((x0, y0), (x2, y2)) = (at(i - 1), at(i + 1));
+        let [x0, x2] = [i - 1, i + 1].map(|k| arcs[k] - arcs[i]);
+        let [y0, y2] = [i - 1, i + 1].map(|k| stress[k] - stress[i]);
         // Through (0, 0): y = a x + b x²; both neighbours lie lower, so that b < 0 and the top between them.
         let b = (y0 / x0 - y2 / x2) / (x0 - x2);
         let a = y0 / x0 - b * x0;
         let away = if b < 0.0 { -0.5 * a / b } else { 0.0 };
-        self.at_arc(number, self.fillet.arcs[i] + away)
+        self.at_arc(number, arcs[i] + away)
     }
 
     /// Largest over the face at the place of the fillet whose tangent makes 30 degrees (ring: 60) with the centre
     /// line of the tooth, but for what [`RootField::largest`] leaves out, unless that is all of it. None if the fillet has no such place.
     pub fn at_tangent(&self) -> Option<RootPoint> {
-        let fillet = self.fillet;
-        let after = (1..fillet.arcs.len()).rev().find(|&i| {
-            fillet.tangents[i] <= self.tangent && self.tangent < fillet.tangents[i - 1]
-        })?;
-        let t = (self.tangent - fillet.tangents[after])
-            / (fillet.tangents[after - 1] - fillet.tangents[after]);
-        let arc = fillet.arcs[after] + t * (fillet.arcs[after - 1] - fillet.arcs[after]);
-        let is_clear = |number: usize| after < self.clear[number];
-        let anywhere = !(0..fillet.z.len()).any(is_clear);
-        let places = (0..fillet.z.len()).filter(|number| anywhere || is_clear(*number));
+        let (arcs, tangents) = (&self.fillet.arcs, &self.fillet.tangents);
+        let holds = |i: &usize| tangents[*i] <= self.tangent && self.tangent < tangents[i - 1];
+        let after = (1..arcs.len()).rev().find(holds)?;
+        let t = (self.tangent - tangents[after]) / (tangents[after - 1] - tangents[after]);
+        let arc = arcs[after] + t * (arcs[after - 1] - arcs[after]);
+        let is_clear = |number: &usize| after < self.clear[*number];
+        let anywhere = !(0..self.clear.len()).any(|number| is_clear(&number));
+        let places = (0..self.clear.len()).filter(|number| anywhere || is_clear(number));
         places.map(|number| self.at_arc(number, arc)).reduce(larger)
     }
 
     /// Parabola through the three places nearest to `arc`.
     fn at_arc(&self, number: usize, arc: f64) -> RootPoint {
-        let fillet = self.fillet;
-        let n = fillet.arcs.len();
-        let stress = &self.principal[number * n..(number + 1) * n];
-        let nearest = (0..n).min_by(|a, b| {
-            (fillet.arcs[*a] - arc)
-                .abs()
-                .total_cmp(&(fillet.arcs[*b] - arc).abs())
-        });
-        let i = nearest.unwrap_or(0).clamp(1, n - 2);
+        let (fillet, arcs) = (self.fillet, &self.fillet.arcs);
+        let distance = |i: &usize| (arcs[*i] - arc).abs();
+        let nearest = (0..arcs.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let i = nearest.unwrap_or(0).clamp(1, arcs.len() - 2);
         let three = [i - 1, i, i + 1];
         let weights = three.map(|k| {
             let others = three.iter().filter(|o| **o != k);
-            others
-                .map(|o| (arc - fillet.arcs[*o]) / (fillet.arcs[k] - fillet.arcs[*o]))
-                .product::<f64>()
+            let part = others.map(|o| (arc - arcs[*o]) / (arcs[k] - arcs[*o]));
+            part.product::<f64>()
         });
         let mean = |of: &[f64]| three.iter().zip(weights).map(|(k, w)| w * of[*k]).sum();
         RootPoint {
-            stress: mean(stress),
+            stress: mean(self.stress(number)),
             z: fillet.z[number],
             radius: mean(&fillet.radii),
             tangent: mean(&fillet.tangents),

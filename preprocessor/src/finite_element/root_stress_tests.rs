@@ -12,11 +12,7 @@ fn settings(refinement: Refinement, plane_strain: bool) -> Settings {
 }
 
 fn segment(gear: &Gear, tooth: i32, radius: f64) -> Segment {
-    Segment {
-        tooth,
-        z: [0.0, gear.face_width],
-        roll: [gear.roll_length(radius); 2],
-    }
+    super::super::tests::segment(gear, tooth, [0.0, gear.face_width], radius)
 }
 
 /// Largest stress and that at the 30 degree tangent under 100 N/mm at `radius`, MPa.
@@ -44,10 +40,6 @@ fn every_level_is_near_a_mesh_four_times_as_fine_as_normal() {
         ] {
             let found = plane(&gear, &settings(refinement, true), radius);
             for (found, exact) in found.iter().zip(exact) {
-                println!(
-                    "{refinement:?} r {radius}: {:+.2} %",
-                    100.0 * (found / exact - 1.0)
-                );
                 assert!((found / exact - 1.0).abs() < bound, "{found} {exact}");
             }
         }
@@ -63,10 +55,10 @@ fn functionals_that_are_loads_answer_with_the_influence() {
         ..Settings::new(Refinement::Coarse, 2)
     };
     let model = Model::new(&gear, &plane).unwrap();
-    let mesh = model.mesh();
+    let mesh = Mesh::new(&model);
     let mut columns = mesh.loads();
     let loads = columns.len();
-    let influence = model.influence(2, &|_, _| true).unwrap();
+    let influence = model.influence(&|_, _| true).unwrap();
     columns.extend_from_within(..);
     let response = model
         .response(&mesh, &columns, loads, -2..=2, &|_, _| true)
@@ -90,7 +82,7 @@ fn functionals_that_are_loads_answer_with_the_influence() {
 fn stress_under(gear: &Gear, u: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
     let settings = Settings::new(Refinement::Coarse, 1).for_root_stress();
     let model = Model::new(gear, &settings).unwrap();
-    let mesh = model.mesh();
+    let mesh = Mesh::new(&model);
     let (_, functionals) = FilletGrid::new(&model, &mesh);
     let values: Vec<f64> = functionals
         .iter()

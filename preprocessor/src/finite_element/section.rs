@@ -14,9 +14,11 @@
 //! sector repeats around the gear. In a ring the same figure stands on its head. Where the body has a web, rows
 //! end at the inside of the rim and at the hub.
 
+use super::element::QUAD8;
 use super::grading::{divide, graded, graded_from_both, halved};
 use super::outline::{Outline, Polar};
 use super::settings::Discretization;
+use gearmesh::gear::Gear;
 
 /// Elements along the flank over the one at the tip edge, where the load kernel is narrower.
 const FLANK_OVER_TIP: f64 = 4.0;
@@ -28,8 +30,7 @@ pub(super) struct Section {
     pub nodes: Vec<Polar>,
     /// Corners, then mid-edges, as [`super::element::QUAD8`].
     pub quads: Vec<[usize; 8]>,
-    /// (column, row) of each quadrilateral in the figure above: whole columns and rows of it are what
-    /// the matrix ordering cuts along.
+    /// (column, row) of each quadrilateral in the figure above, along which the matrix ordering cuts.
     pub cells: Vec<[i32; 2]>,
     /// Nodes along the loaded flank from the middle of the fillet to the tip (corner, mid-edge,
     /// corner, ...) with their arc length.
@@ -37,31 +38,22 @@ pub(super) struct Section {
     /// Nodes along root circle and fillet from the middle of the space to the form point (corner, mid-edge,
     /// corner, ...) with their arc length.
     pub fillet: Vec<(usize, f64)>,
-    /// Rows of quadrilaterals below the root, from there on.
-    pub rows: Vec<Row>,
+    /// Ends along z, m, of the web or the hub to which a row of quadrilaterals belongs, for each row below the root; None: as wide as
+    /// the face.
+    pub widths: Vec<Option<[f64; 2]>>,
     /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, rigidly held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
     pub held: Vec<usize>,
 }
 
-/// A row of quadrilaterals below the root.
-#[derive(Debug, Clone)]
-pub(super) struct Row {
-    /// Depth of its upper edge, m below where the blocks meet.
-    pub depth: f64,
-    /// Ends of the web or the hub along z, m, where the row belongs to one; None: as wide as the face.
-    pub width: Option<[f64; 2]>,
-}
-
-/// A place below the root: the share `t` of the way from there to the radius `target`, and the share of the whole
-/// way to the held surface, both about.
+/// A place below the root: the shares of the way to the radius `target` and of the whole way to the held surface, about.
 #[derive(Debug, Clone, Copy)]
 struct Depth {
     t: f64,
     target: f64,
     share: f64,
-    /// As [`Row::width`], above this place.
+    /// As in [`Section::widths`], above this place.
     width: Option<[f64; 2]>,
 }
 
@@ -74,19 +66,16 @@ struct Stations<'a> {
     /// Middle of the fillet, where the blocks meet: arc length and place.
     corner_arc: f64,
     corner: Polar,
-    /// Arc lengths along the flank, from the corner to the tip.
     arcs: Vec<f64>,
     /// From the unloaded flank (0) to the loaded one (1).
     across: Vec<f64>,
-    /// From the root to the held surface.
     rows: Vec<Depth>,
-    /// Arc lengths from the corner on to the middle of the space.
     columns: Vec<f64>,
 }
 
 impl<'a> Stations<'a> {
-    /// `sizes` are in normal modules of `module` m.
-    fn new(outline: &'a Outline, sizes: &Discretization, module: f64) -> Self {
+    fn new(gear: &Gear, outline: &'a Outline, sizes: &Discretization) -> Self {
+        let module = gear.normal_module;
         let flank = sizes.flank_element * module;
         let fillet = sizes.fillet_element.map(|size| size * module);
         let along_involute = sizes.involute_element.map_or(flank, |size| size * module);
@@ -115,29 +104,27 @@ impl<'a> Stations<'a> {
             corner,
             arcs,
             across: halved(&across),
-            rows: below_root(outline, corner[0], root, sizes.growth),
+            rows: below_root(gear, corner[0], root, sizes.growth),
             columns: halved(&divide(0.0, land, root.min(0.5 * land))),
         }
     }
 
-    /// The line under the tooth, sagging between both corners, at `u` of [`Stations::across`].
     fn bottom(&self, u: f64) -> Polar {
         let [radius, angle] = self.corner;
         let sag = 0.067 * 2.0 * radius * angle * self.outline.kappa;
         [radius - 4.0 * sag * u * (1.0 - u), angle * (2.0 * u - 1.0)]
     }
 
-    /// Radius at `depth` below the surface at `radius`.
     fn down(&self, radius: f64, depth: Depth) -> f64 {
         radius + depth.t * (depth.target - radius)
     }
 }
 
 /// Places of the rows below the root, at half-element steps; the blocks meet at the radius `corner`.
-fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
-    let held = outline.held_radius;
+fn below_root(gear: &Gear, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
+    let held = gear.held_radius;
     let depth = (corner - held).abs();
-    let inside_rim = outline.body.map_or(held, |body| body.rim_radius);
+    let inside_rim = gear.body.map_or(held, |body| body.rim_radius);
     let height = (corner - inside_rim).abs();
     let rim = graded(height, first, growth, height);
     let row = |t| Depth {
@@ -147,7 +134,7 @@ fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<De
         width: None,
     };
     let mut rows: Vec<Depth> = halved(&rim).into_iter().map(row).collect();
-    let Some(body) = outline.body else {
+    let Some(body) = gear.body else {
         return rows;
     };
     let mut annulus = |[outer, inner]: [f64; 2], width: [f64; 2], first: [f64; 2]| {
@@ -185,9 +172,8 @@ fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<De
 }
 
 impl Section {
-    /// Meshes the sector of `outline`; `sizes` are in normal modules of `module` m.
-    pub fn new(outline: &Outline, sizes: &Discretization, module: f64) -> Section {
-        let stations = Stations::new(outline, sizes, module);
+    pub fn new(gear: &Gear, outline: &Outline, sizes: &Discretization) -> Section {
+        let stations = Stations::new(gear, outline, sizes);
         let mut section = Section::default();
         let tooth = section.tooth(&stations);
         let under = section.under_tooth(&stations, &tooth);
@@ -203,18 +189,16 @@ impl Section {
         section.fillet = below
             .chain(above.take_while(|(_, arc)| *arc <= 0.0))
             .collect();
-        let depth = (stations.corner[0] - outline.held_radius).abs();
-        let row = |upper: &[Depth]| Row {
-            depth: upper[0].share * depth,
-            width: upper[1].width,
-        };
-        section.rows = stations.rows.windows(2).step_by(2).map(row).collect();
+        let below = stations.rows.iter().skip(1).step_by(2);
+        section.widths = below.map(|depth| depth.width).collect();
         let lowest = stations.rows.len() - 1;
-        let free = if outline.is_free { lowest + 1 } else { lowest };
+        // A bore or the outside of a ring that rests on a foundation is free to move, and so is the bore of a shaft.
+        let is_shaft = gear.body.is_some_and(|body| body.is_shaft());
+        let free = lowest + usize::from(is_shaft || gear.foundation.is_some());
         section.sides =
             [&left, &right].map(|grid| grid[stations.columns.len() - 1][..free].to_vec());
         let columns = left.iter().chain(&under).chain(&right);
-        if !outline.body.is_some_and(|body| body.is_shaft()) {
+        if !is_shaft {
             section.held = columns.map(|column| column[lowest]).collect();
         }
         section.held.sort_unstable();
@@ -222,7 +206,6 @@ impl Section {
         section
     }
 
-    /// Block A.
     fn tooth(&mut self, at: &Stations) -> Grid {
         let tip = at.outline.point(at.outline.tip_arc);
         let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
@@ -289,21 +272,12 @@ impl Section {
         }
         for i in (0..columns - 1).step_by(2) {
             for j in (0..rows - 1).step_by(2) {
-                let at = |a: usize, b: usize| grid[i + a][j + b];
-                let mut quad = [
-                    at(0, 0),
-                    at(2, 0),
-                    at(2, 2),
-                    at(0, 2),
-                    at(1, 0),
-                    at(2, 1),
-                    at(1, 2),
-                    at(0, 1),
-                ];
+                let half = |c: f64| (1.0 + c) as usize;
+                let mut quad = QUAD8.map(|c| grid[i + half(c[0])][j + half(c[1])]);
                 if self.signed_area(&quad) < 0.0 {
-                    quad = [
-                        quad[0], quad[3], quad[2], quad[1], quad[7], quad[6], quad[5], quad[4],
-                    ];
+                    // The same corner first, the other way round.
+                    quad[1..4].reverse();
+                    quad[4..].reverse();
                 }
                 self.quads.push(quad);
                 let away = |from: i32, steps: usize| {
@@ -316,9 +290,10 @@ impl Section {
         grid
     }
 
-    /// The row below the root, from there on, of an element with the (column, row) `cell`; none for the tooth.
-    pub fn row_below_root(cell: [i32; 2]) -> Option<usize> {
-        usize::try_from(-1 - cell[1]).ok()
+    /// Ends along z of the part of the body to which an element with the (column, row) `cell` belongs, see [`Section::widths`].
+    pub fn width(&self, cell: [i32; 2]) -> Option<[f64; 2]> {
+        let row = usize::try_from(-1 - cell[1]).ok()?;
+        self.widths[row]
     }
 
     pub fn cartesian(&self, node: usize) -> [f64; 3] {

@@ -1,6 +1,6 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width.
 
-use super::kernel::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
+use super::flank::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
 use gearmesh::contact::widest_contact;
 use gearmesh::pair::{Pair, Refinement};
 
@@ -62,46 +62,14 @@ impl Discretization {
             Refinement::Fine => scaled(0.75, 0.12),
         }
     }
-
-    /// Layers in the middle of a face of `face_width` m, in normal modules.
-    pub(super) fn middle_layer(&self, face_width: f64, normal_module: f64) -> f64 {
-        self.layer * (face_width / (WIDE_FACE * normal_module)).max(1.0)
-    }
-
-    /// Ends of the layers from z = 0 to `face_width`, m, graded to both faces.
-    pub(super) fn stations(&self, face_width: f64, normal_module: f64) -> Vec<f64> {
-        let half = 0.5 * face_width / normal_module;
-        let mut ends = vec![0.0];
-        let largest = self.middle_layer(face_width, normal_module);
-        let mut step = self.end_layer;
-        let mut reached = 0.0;
-        while reached < half - 0.4 * step || ends.len() < 2 {
-            reached += step;
-            ends.push(reached);
-            step = (1.6 * step).min(largest);
-        }
-        let scale = 0.5 * face_width / reached;
-        let mut stations: Vec<f64> = ends.iter().map(|x| x * scale).collect();
-        let low = ends[..ends.len() - 1].iter().rev();
-        stations.extend(low.map(|x| face_width - x * scale));
-        stations
-    }
 }
 
-/// Half-width of a wide kernel over the elements along the involute. Measured: at 1.75 the transmission error of a
-/// wide pair under its largest load changes by 1e-4.
+/// Half-width of a wide kernel over the elements along the involute: at 1.75 the transmission error of a wide pair changes by 1e-4.
 const KERNEL_OVER_INVOLUTE_ELEMENT: f64 = 1.75;
 
-/// Face width, in normal modules, beyond which the layers in its middle grow with it, so that their number does not: loads
-/// change along the face on the scale of its width. Measured on helical pairs with faces of 17 and 23 modules: the mean
-/// transmission error changes by 5e-5, aligned, and 1.5e-4 under half a milliradian, its peak-to-peak by 1 nm, z_c by 1e-4 of
-/// the face width.
-const WIDE_FACE: f64 = 15.0;
-
-/// Outermost layers of helical pairs over those in the middle of the face. Their contact lines run over tip edges away from the
-/// ends, too, where load changes within a layer: as many layers, more alike, are shorter there. Measured on pairs 20/20 of 25 and
-/// 30 degrees with faces of 5 modules, whose tips bear, against four times as many layers: the peak-to-peak transmission
-/// error is too large by 0.016 and 0.027 um instead of 0.032 and 0.044 um; the mean stays within 1e-3.
+/// Outermost layers of helical pairs over those in the middle of the face: their contact lines run over tip edges away from the ends,
+/// too. Measured on pairs 20/20 of 25 and 30 degrees with faces of 5 modules, whose tips bear: the peak-to-peak transmission error is
+/// too large by 0.016 and 0.027 um instead of 0.032 and 0.044 um.
 const HELICAL_END_LAYER: f64 = 0.8;
 
 /// How a compliance is computed.

@@ -18,7 +18,7 @@ use roxmltree::{Document, Node};
 /// The template of modelDescription.xml, without what belongs to a pair.
 pub(super) const TEMPLATE: &str = include_str!("../../../modelDescription.xml");
 const PAGE: &str = include_str!("../../../resources/documentation/index.html");
-const LICENCE: &str = "This unit is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
+const LICENCE: &str = "This FMU is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
      third-party.txt has the licences of the crates that its library links.\n";
 const FRAMES: &str = include_str!("../../../docs/frames.svg");
 

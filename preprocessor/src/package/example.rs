@@ -10,7 +10,7 @@ use gearmesh::fmi::inputs::{ANGLES, ANGULAR_VELOCITY, BODY_INPUTS, QUATERNION};
 use gearmesh::fmi::instance::Instance;
 use gearmesh::fmi::lifecycle::Interface;
 use gearmesh::fmi::resources::Resources;
-use gearmesh::fmi::variables::{INPUTS, STOP_TIME, VARIABLES, index};
+use gearmesh::fmi::variables::{INPUTS, Kind, STOP_TIME, VARIABLES, index};
 use gearmesh::root::bisection;
 
 /// Mesh cycles in the default experiment; the torque rises over the first.
@@ -72,14 +72,15 @@ impl Driven {
             .iter()
             .map(|v| v.value_reference)
             .collect();
-        self.unit.set_real(&references, &self.turned(angles, rates))
+        self.unit
+            .set(Kind::Real, &references, &self.turned(angles, rates))
     }
 
     /// Values of these variables.
     pub fn read<const N: usize>(&mut self, outputs: [usize; N]) -> Result<[f64; N], Refusal> {
         let mut values = Vec::with_capacity(N);
         let references = outputs.map(|i| VARIABLES[i].value_reference);
-        self.unit.get_real(&references, |x| values.push(x))?;
+        self.unit.get(Kind::Real, &references, |x| values.push(x))?;
         Ok(std::array::from_fn(|k| values[k]))
     }
 }

@@ -115,7 +115,7 @@ pub fn libraries_beside(executable: &Path) -> Result<Vec<Library>, PackageError>
     if found.is_empty() {
         return Err(PackageError::contents(
             &executable.with_file_name(NAMES[0]),
-            "no library of the unit is there; build it with cargo build --release, or name one with --library",
+            "no library of the FMU is there; build it with cargo build --release, or name one with --library",
         ));
     }
     Ok(found)

@@ -74,7 +74,7 @@ pub enum PackageError {
         reason: String,
     },
     /// Start values that a host could not start with.
-    #[error("the unit does not start with these values: {reason}")]
+    #[error("the FMU does not start with these values: {reason}")]
     Refused {
         /// What the FMU says.
         reason: String,

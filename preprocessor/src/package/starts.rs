@@ -192,7 +192,7 @@ pub enum SettingError {
     #[error("give a variable and its start value as name=value")]
     Form,
     /// No parameter or input has this name.
-    #[error("the unit has no parameter or input {name}; its parameters are {known}")]
+    #[error("the FMU has no parameter or input {name}; its parameters are {known}")]
     Unknown {
         /// As given.
         name: String,
@@ -316,8 +316,8 @@ mod tests {
                 let mut inputs = element.nominal_inputs();
                 let spin = Rotation3::from_euler_angles(0.0, 0.0, meshing_spin(&pair));
                 inputs.gears[1].r = spin.into_inner();
-                let latch = element.latch(&inputs).unwrap();
-                let out = element.evaluate(&latch, &inputs).unwrap();
+                let phase = element.phase_offset(&inputs).unwrap();
+                let out = element.evaluate(&phase, &inputs).unwrap();
                 assert_abs_diff_eq!(out.transmission_error, 0.0, epsilon = 1e-12);
             }
         }

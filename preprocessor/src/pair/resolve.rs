@@ -109,7 +109,7 @@ fn resolve_checked(
 /// too.
 pub fn note_on_teeth(teeth: &PairTeeth) -> Option<&'static str> {
     let text = "the teeth differ (`tooth_errors`): solve, report, study and tables take them as all alike, with the nominal flanks; \
-                `stiffnessModel = teeth` of a unit built with --teeth takes index errors and run-out, `contact` of one built with \
+                `stiffnessModel = teeth` of an FMU built with --teeth takes index errors and run-out, `contact` of one built with \
                 --contact all of them";
     (!teeth.are_alike()).then_some(text)
 }

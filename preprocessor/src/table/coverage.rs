@@ -25,16 +25,10 @@ pub struct Coverage {
 /// that the range has), the node is sinh(grading t) scaled.
 pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> {
     let largest = low.abs().max(high.abs());
-    let is_even = grading == 0.0;
-    let warp = |x: f64| match is_even {
-        true => x,
-        false => (x * grading.sinh()).asinh() / grading,
-    };
-    let back = |t: f64| match is_even {
-        true => t,
-        false => (t * grading).sinh() / grading.sinh(),
-    };
-    let (a, b) = (warp(low / largest), warp(high / largest));
+    let [a, b] = [low, high].map(|x| match grading {
+        0.0 => x / largest,
+        _ => (x / largest * grading.sinh()).asinh() / grading,
+    });
     let node = |i: usize| {
         let t = a + (b - a) * i as f64 / (n - 1) as f64;
         match i {
@@ -42,7 +36,8 @@ pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> 
             _ if i + 1 == n => high,
             // An odd symmetric axis must contain 0 itself, not a rounding of it.
             _ if t.abs() < 1e-12 => 0.0,
-            _ => largest * back(t),
+            _ if grading == 0.0 => largest * t,
+            _ => largest * ((t * grading).sinh() / grading.sinh()),
         }
     };
     (0..n).map(node).collect()
@@ -56,7 +51,6 @@ pub(super) fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
     found.unwrap_or_else(|| graded(range, n, 12.0))
 }
 
-/// Least distance of neighbours.
 pub(super) fn closest(nodes: &[f64]) -> f64 {
     let apart = nodes.windows(2).map(|w| w[1] - w[0]);
     apart.fold(f64::INFINITY, f64::min)
@@ -138,7 +132,6 @@ pub fn tilt(
     Ok(least / (0.5 * geometry.face_overlap().1))
 }
 
-/// Seed of the points on which stated errors are measured.
 pub(super) const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A torque on gear 1, N m, at a query whose approach is not known yet.
@@ -192,7 +185,6 @@ impl Nominal {
     }
 }
 
-/// What `error` finds at each of `points`, in parallel.
 pub(super) fn errors<const K: usize>(
     points: Vec<OperatingPoint>,
     watch: &Watch,
@@ -202,15 +194,12 @@ pub(super) fn errors<const K: usize>(
     points.into_par_iter().map(checked).collect()
 }
 
-/// Derivatives of the potential by approach, centre distance, misalignment and mesh position at an operating point.
-type Gradient<'a> = dyn Fn(&Query) -> Result<[f64; 4], String> + Sync + 'a;
-
-/// Error of `found` against `source` at `points`.
+/// Error of the gradient that `found` gives of a potential against `source` at `points`.
 pub(super) fn measure_at(
     source: &dyn StaticSource,
     flank: Flank,
     nominal: Nominal,
-    found: &Gradient<'_>,
+    found: impl Fn(&Query) -> Result<[f64; 4], String> + Sync,
     points: Vec<OperatingPoint>,
     watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
@@ -244,14 +233,8 @@ pub fn measure(
 ) -> Result<InterpolationError, TableError> {
     let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
     let points = coverage.draw(Random::new(SEED), points);
-    measure_at(
-        source,
-        flank,
-        Nominal::new(geometry, coverage),
-        &found,
-        points,
-        watch,
-    )
+    let nominal = Nominal::new(geometry, coverage);
+    measure_at(source, flank, nominal, found, points, watch)
 }
 
 /// Error of `contact` at run time, its teeth taken as alike, against `source` at `points` random operating points, likewise.
@@ -276,7 +259,7 @@ pub fn measure_at_run_time(
     };
     let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(&contact.setup.geometry, coverage);
-    measure_at(source, flank, nominal, &found, points, watch)
+    measure_at(source, flank, nominal, found, points, watch)
 }
 
 pub(super) fn no_coast_flank() -> TableError {

@@ -1,9 +1,8 @@
 //! Tables from samples of any other program: a CSV file of static solutions on a full grid of torque,
 //! mesh position, centre distance and misalignment.
 //!
-//! A sample gives the displacement under a load; the table wants the load at a displacement. Each
-//! line of samples over the torque is inverted by a monotone cubic (Fritsch and Carlson, SIAM J. Numer.
-//! Anal. 17 (1980) 238-246), so a line must rise strictly.
+//! A sample gives the displacement under a load; the table wants the load at a displacement. Each line of samples over the torque
+//! is inverted by a monotone cubic (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246), so a line must rise strictly.
 
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Axes, FlankGrid, TableError};
@@ -25,7 +24,6 @@ pub const COLUMNS: [&str; 6] = [
 /// c x² = 11/12, -40/21, 1, -1/84 (no cubic, no quadratic, no constant part beyond); at x it is 19/28 k x.
 const ROUNDED_ONSET: f64 = 19.0 / 28.0;
 
-/// One row, as in the file.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     line: u64,
@@ -51,67 +49,62 @@ const ODD: f64 = 10.0;
 const IMPOSSIBLE: f64 = 100.0;
 
 impl Imported {
-    /// What is odd about the samples for a pair with this geometry and nominal torque (N m on gear 1), one
-    /// sentence each.
+    /// What is odd about the samples for a pair with this geometry and nominal torque (N m on gear 1), in a sentence.
     ///
     /// # Errors
     /// Samples that no simulation can use: largest torque below the nominal one, an axis that leaves out the
     /// nominal centre distance or parallel axes, or a stiffness that no teeth have.
-    pub fn doubts(
+    pub fn doubt(
         &self,
         geometry: &PairGeometry,
         nominal_torque: f64,
-    ) -> Result<Vec<String>, TableError> {
-        if self.maximum_torque < nominal_torque {
-            return Err(refused(format!(
-                "the largest torque_nm is {}, below the nominal torque of the pair file, {nominal_torque} N m; give \
-                 samples up to the torques that are to be simulated, or correct operating.nominal_torque_nm",
-                self.maximum_torque
-            )));
+    ) -> Result<Option<String>, TableError> {
+        let torque = self.maximum_torque;
+        if torque < nominal_torque {
+            return refused(format!(
+                "the largest torque_nm is {torque}, below the nominal torque of the pair file, {nominal_torque} N m; give \
+                 samples up to the torques that are to be simulated, or correct operating.nominal_torque_nm"
+            ));
         }
-        let axes = &self.grid.axes;
+        let FlankGrid {
+            axes,
+            no_load_approach,
+            top_load_approach,
+            ..
+        } = &self.grid;
         for (name, nodes, scale) in [
             (COLUMNS[2], &axes.center_distance_offset, 1e6),
             (COLUMNS[3], &axes.misalignment, 1e3),
         ] {
             let [low, high] = [nodes[0], nodes[nodes.len() - 1]].map(|node| rounded(node * scale));
             if low > 0.0 || high < 0.0 {
-                return Err(refused(format!(
-                    "{name} runs from {low} to {high} and leaves out 0, the nominal state; give deviations from \
-                     nominal"
-                )));
+                return refused(format!(
+                    "{name} runs from {low} to {high} and leaves out 0, the nominal state; give deviations from nominal"
+                ));
             }
         }
-        let force = self.maximum_torque / geometry.gears[0].base_radius();
-        let nodes = self.grid.top_load_approach.len() as f64;
-        let travel = (self.grid.top_load_approach.iter().sum::<f64>()
-            - self.grid.no_load_approach.iter().sum::<f64>())
-            / nodes;
+        let [low, top] = [no_load_approach, top_load_approach].map(|ends| ends.iter().sum::<f64>());
+        let travel = (top - low) / top_load_approach.len() as f64;
         let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
         let width = geometry.face_overlap().1;
         let usual = STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min) * width;
-        let ratio = force / travel / usual;
+        let ratio = torque / geometry.gears[0].base_radius() / travel / usual;
+        let [rise, times] = [1e6 * travel, ratio].map(two_digits);
         let rise = format!(
-            "ste_loa_um rises by {} um on average up to {} N m, {} times the stiffness usual for these teeth",
-            two_digits(1e6 * travel),
-            self.maximum_torque,
-            two_digits(ratio),
+            "ste_loa_um rises by {rise} um on average up to {torque} N m, {times} times the stiffness usual for these teeth"
         );
         if !(IMPOSSIBLE.recip()..=IMPOSSIBLE).contains(&ratio) {
-            return Err(refused(format!(
+            return refused(format!(
                 "{rise}; give the transmission error on the line of action in um, and the torque on gear 1 in N m"
-            )));
+            ));
         }
-        Ok((!(ODD.recip()..=ODD).contains(&ratio))
-            .then(|| format!("{rise}; check units and pair file"))
-            .into_iter()
-            .collect())
+        let is_odd = !(ODD.recip()..=ODD).contains(&ratio);
+        Ok(is_odd.then(|| format!("{rise}; check units and pair file")))
     }
 }
 
-/// Reads CSV text of the drive flank of `geometry`: header with [`COLUMNS`], then one row per sample;
-/// empty lines and lines that begin with # are skipped. `contact_z_mm` is where the resultant crosses the
-/// pitch plane, from gear 1's z = 0 face.
+/// Reads CSV text of the drive flank of `geometry`: header with [`COLUMNS`], then one row per sample; empty lines and lines that
+/// begin with # are skipped. `contact_z_mm` is where the resultant crosses the pitch plane, from gear 1's z = 0 face.
 ///
 /// The no-load approach is the sample at torque 0, or the line through the two smallest torques taken to 0.
 /// `contact_z_mm` at torque 0 is not looked at.
@@ -133,18 +126,17 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         values
     };
     let (torques, positions, offsets, misalignments) = (axis(0), axis(1), axis(2), axis(3));
-    let has_zero = torques[0] == 0.0;
-    let loads = torques.len() - usize::from(has_zero);
+    let loads = torques.len() - usize::from(torques[0] == 0.0);
     if torques[0] < 0.0 {
-        return Err(refused(format!(
+        return refused(format!(
             "torque_nm = {}: a torque is not negative; give the loaded flank's samples only",
             brief(torques[0])
-        )));
+        ));
     }
     if loads < 4 {
-        return Err(refused(format!(
+        return refused(format!(
             "torque_nm has {loads} values above 0; a cubic spline needs at least 4"
-        )));
+        ));
     }
     check_on_face(&rows, geometry)?;
     let key = |row: &Row| {
@@ -152,37 +144,30 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         [c, m, p, t]
     };
     rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
-    if let Some(twice) = rows.windows(2).find(|w| key(&w[0]) == key(&w[1])) {
-        return Err(refused(format!(
+    if let Some([first, twice]) = neighbours(&rows, |a, b| key(a) == key(b)) {
+        return refused(format!(
             "line {}: the point {} stands in line {} already; leave one of them out",
-            twice[1].line,
-            describe(twice[1].values),
-            twice[0].line
-        )));
+            twice.line,
+            describe(twice.values),
+            first.line
+        ));
     }
-    let mut found = rows.iter().map(key);
-    for &c in &offsets {
-        for &m in &misalignments {
-            for &p in &positions {
-                if let Some(&t) = torques
-                    .iter()
-                    .find(|&&t| found.next() != Some([c, m, p, t]))
-                {
-                    return Err(refused(format!(
-                        "no sample at {}; the grid must be complete",
-                        describe([t, p, c, m, 0.0, 0.0])
-                    )));
-                }
-            }
+    let (nt, np, nm) = (torques.len(), positions.len(), misalignments.len());
+    let total = [np, nm, offsets.len()]
+        .into_iter()
+        .fold(nt, usize::saturating_mul);
+    for i in 0..total {
+        let (t, p) = (torques[i % nt], positions[i / nt % np]);
+        let (m, c) = (misalignments[i / nt / np % nm], offsets[i / nt / np / nm]);
+        if rows.get(i).map(key) != Some([c, m, p, t]) {
+            return refused(format!(
+                "no sample at {}; the grid must be complete",
+                describe([t, p, c, m, 0.0, 0.0])
+            ));
         }
     }
-    let z_ref = geometry.z_ref();
-    let base_radius = geometry.gears[0].base_radius();
-    let lines = rows
-        .chunks(torques.len())
-        .map(|line| invertible(line, z_ref, base_radius))
-        .collect::<Result<Vec<_>, _>>()?;
-
+    let lines = rows.chunks(nt).map(|line| Line::new(line, geometry));
+    let lines = lines.collect::<Result<Vec<_>, _>>()?;
     // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
     let mean = |k: usize| {
         let fraction = |l: &Line| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]);
@@ -194,55 +179,59 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     // gets two more nodes below the smallest load to round the kink off within.
     let smallest = fractions[0];
     fractions.splice(0..0, [smallest / 16.0, smallest / 4.0]);
-    let np = positions.len();
-    let mut grid = FlankGrid {
-        axes: Axes {
-            displacement_fraction: fractions.clone(),
-            center_distance_offset: offsets.iter().map(|c| 1e-6 * c).collect(),
-            misalignment: misalignments.iter().map(|m| 1e-3 * m).collect(),
-            mesh_position: positions,
-        },
-        no_load_approach: lines.iter().map(|l| l.delta[0]).collect(),
-        top_load_approach: lines.iter().map(|l| l.delta[loads]).collect(),
-        loa_force: vec![],
-        moment: None,
+    let axes = Axes {
+        displacement_fraction: fractions.clone(),
+        center_distance_offset: offsets.iter().map(|c| 1e-6 * c).collect(),
+        misalignment: misalignments.iter().map(|m| 1e-3 * m).collect(),
+        mesh_position: positions,
     };
-    let mut moment = vec![];
+    let (mut loa_force, mut moment) = (vec![], vec![]);
     for block in lines.chunks(np) {
         for (k, u) in fractions.iter().enumerate() {
             for l in block {
-                let (mut force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
-                if k == 0 {
-                    force *= ROUNDED_ONSET;
-                }
-                grid.loa_force.push(force);
+                let (force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
+                let force = if k == 0 { force * ROUNDED_ONSET } else { force };
+                loa_force.push(force);
                 moment.push(force * lever);
             }
         }
     }
-    grid.moment = Some(moment);
+    let grid = FlankGrid {
+        axes,
+        no_load_approach: lines.iter().map(|l| l.delta[0]).collect(),
+        top_load_approach: lines.iter().map(|l| l.delta[loads]).collect(),
+        loa_force,
+        moment: Some(moment),
+        sliding: None,
+    };
     grid.check("samples")?;
+    let maximum_torque = torques[nt - 1];
     Ok(Imported {
         grid,
-        maximum_torque: torques[torques.len() - 1],
+        maximum_torque,
     })
 }
 
-/// `value` with two digits.
 fn two_digits(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }
 
-fn refused(message: String) -> TableError {
-    TableError::Samples(message)
+fn refused<T>(message: String) -> Result<T, TableError> {
+    Err(TableError::Samples(message))
 }
 
-fn describe(v: [f64; 6]) -> String {
-    let name = |k: usize| format!("{} = {}", COLUMNS[k], brief(v[k]));
-    format!("{}, {}, {}, {}", name(0), name(1), name(2), name(3))
+fn neighbours(rows: &[Row], is_so: impl Fn(&Row, &Row) -> bool) -> Option<[&Row; 2]> {
+    let mut pairs = rows.iter().zip(rows.iter().skip(1));
+    let (a, b) = pairs.find(|(a, b)| is_so(a, b))?;
+    Some([a, b])
 }
 
-/// `value` in no more digits than a line has room for.
+fn describe(values: [f64; 6]) -> String {
+    let named = COLUMNS.iter().zip(values).take(4);
+    let named: Vec<_> = named.map(|(k, v)| format!("{k} = {}", brief(v))).collect();
+    named.join(", ")
+}
+
 fn brief(value: f64) -> String {
     shown(&value.to_string())
 }
@@ -261,16 +250,16 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
         let z = r.values[5];
         r.values[0] > 0.0 && (z < low - OFF_FACE_MM || z > high + OFF_FACE_MM)
     };
-    match rows.iter().find(off) {
-        None => Ok(()),
-        Some(row) => Err(refused(format!(
-            "line {}: contact_z_mm = {} at {} lies off the common face of the gears: {low} to {high} mm from \
-             gear 1's z = 0 face can be; give from that face where the resultant crosses the pitch plane",
-            row.line,
-            brief(row.values[5]),
-            describe(row.values)
-        ))),
-    }
+    let Some(row) = rows.iter().find(off) else {
+        return Ok(());
+    };
+    refused(format!(
+        "line {}: contact_z_mm = {} at {} lies off the common face of the gears: {low} to {high} mm from gear 1's z = 0 \
+         face can be; give from that face where the resultant crosses the pitch plane",
+        row.line,
+        brief(row.values[5]),
+        describe(row.values)
+    ))
 }
 
 fn parse(text: &str) -> Result<Vec<Row>, TableError> {
@@ -280,71 +269,40 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
-    let names = reader.headers().map_err(unreadable)?.clone();
-    if names.is_empty() {
-        return Err(refused(format!(
-            "the file is empty; its header is {}",
+    let unreadable = |error: csv::Error| TableError::Samples(error.to_string());
+    let header = reader.headers().map_err(unreadable)?.clone();
+    let is_known_once = |name: &&str| {
+        COLUMNS.contains(name) && header.iter().filter(|column| column == name).count() == 1
+    };
+    if let Some(name) = header.iter().chain(COLUMNS).find(|n| !is_known_once(n)) {
+        return refused(format!(
+            "column `{}`: the header must have each of {} once, and no others",
+            shown(name),
             COLUMNS.join(",")
-        )));
+        ));
     }
-    if let Some(unknown) = names.iter().find(|n| !COLUMNS.contains(n)) {
-        return Err(refused(format!(
-            "unknown column `{}`; the columns are {}",
-            shown(unknown),
-            COLUMNS.join(",")
-        )));
-    }
-    let mut order = [0; 6];
-    for (slot, name) in order.iter_mut().zip(COLUMNS) {
-        let found: Vec<usize> = (0..names.len()).filter(|&i| &names[i] == name).collect();
-        let [only] = found[..] else {
-            return Err(refused(format!(
-                "column `{name}` stands {} times in the header; it must stand once",
-                found.len()
-            )));
-        };
-        *slot = only;
-    }
-    let mut rows = Vec::new();
-    for record in reader.records() {
+    let row = |record: Result<csv::StringRecord, csv::Error>| {
         let record = record.map_err(unreadable)?;
         let line = record.position().map_or(0, csv::Position::line);
         let mut values = [0.0; 6];
-        for (value, (&at, name)) in values.iter_mut().zip(order.iter().zip(COLUMNS)) {
-            let cell = &record[at];
-            *value = cell
-                .parse()
-                .ok()
-                .filter(|v: &f64| v.is_finite())
-                .ok_or_else(|| {
-                    let cell = shown(cell);
-                    refused(format!("line {line}: {name} = {cell}: not a finite number"))
-                })?;
+        for (cell, column) in record.iter().zip(&header) {
+            let value = cell.parse().ok().filter(|v: &f64| v.is_finite());
+            let Some(value) = value else {
+                let cell = shown(cell);
+                return refused(format!(
+                    "line {line}: {column} = {cell}: not a finite number"
+                ));
+            };
+            let known = COLUMNS.iter().position(|name| *name == column);
+            values[known.expect("checked above")] = value;
         }
-        rows.push(Row { line, values });
+        Ok(Row { line, values })
+    };
+    let rows = reader.records().map(row).collect::<Result<Vec<_>, _>>()?;
+    match rows.is_empty() {
+        true => refused("no rows after the header; give one for every point of the grid".into()),
+        false => Ok(rows),
     }
-    if rows.is_empty() {
-        return Err(refused(
-            "no rows after the header; give one for every point of the grid".into(),
-        ));
-    }
-    Ok(rows)
-}
-
-/// A row that is none, with its line.
-fn unreadable(error: csv::Error) -> TableError {
-    if let csv::ErrorKind::UnequalLengths {
-        pos: Some(at),
-        expected_len,
-        len,
-    } = error.kind()
-    {
-        return refused(format!(
-            "line {}: {len} values for {expected_len} columns",
-            at.line()
-        ));
-    }
-    refused(error.to_string())
 }
 
 /// Samples over the load at one point of the other coordinates, from the no-load approach on.
@@ -353,42 +311,7 @@ struct Line {
     force: Vec<f64>,
     /// dF/d delta, limited so that the cubic is monotone.
     slope: Vec<f64>,
-    /// z_c - z_ref.
     lever: Vec<f64>,
-}
-
-fn invertible(rows: &[Row], z_ref: f64, base_radius: f64) -> Result<Line, TableError> {
-    for pair in rows.windows(2) {
-        let [low, high] = [pair[0], pair[1]];
-        if high.values[4] <= low.values[4] {
-            return Err(refused(format!(
-                "line {}: ste_loa_um = {} at {} is not above ste_loa_um = {} at torque_nm = {} (line {}); \
-                 the displacement must rise with the load, so correct or remove this sample",
-                high.line,
-                brief(high.values[4]),
-                describe(high.values),
-                brief(low.values[4]),
-                brief(low.values[0]),
-                low.line
-            )));
-        }
-    }
-    let mut delta: Vec<f64> = rows.iter().map(|r| 1e-6 * r.values[4]).collect();
-    let mut force: Vec<f64> = rows.iter().map(|r| r.values[0] / base_radius).collect();
-    let mut lever: Vec<f64> = rows.iter().map(|r| 1e-3 * r.values[5] - z_ref).collect();
-    if force[0] > 0.0 {
-        let touch = delta[0] - force[0] * (delta[1] - delta[0]) / (force[1] - force[0]);
-        delta.insert(0, touch);
-        force.insert(0, 0.0);
-        lever.insert(0, lever[0]);
-    }
-    let slope = monotone_slopes(&delta, &force);
-    Ok(Line {
-        delta,
-        force,
-        slope,
-        lever,
-    })
 }
 
 /// Slopes of parabolas through three neighbours, cut to what keeps the cubic monotone.
@@ -417,6 +340,38 @@ fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
 }
 
 impl Line {
+    fn new(rows: &[Row], geometry: &PairGeometry) -> Result<Line, TableError> {
+        let (z_ref, base_radius) = (geometry.z_ref(), geometry.gears[0].base_radius());
+        if let Some([low, high]) = neighbours(rows, |low, high| high.values[4] <= low.values[4]) {
+            return refused(format!(
+                "line {}: ste_loa_um = {} at {} is not above ste_loa_um = {} at torque_nm = {} (line {}); the displacement must \
+             rise with the load, so correct or remove this sample",
+                high.line,
+                brief(high.values[4]),
+                describe(high.values),
+                brief(low.values[4]),
+                brief(low.values[0]),
+                low.line
+            ));
+        }
+        let mut delta: Vec<f64> = rows.iter().map(|r| 1e-6 * r.values[4]).collect();
+        let mut force: Vec<f64> = rows.iter().map(|r| r.values[0] / base_radius).collect();
+        let mut lever: Vec<f64> = rows.iter().map(|r| 1e-3 * r.values[5] - z_ref).collect();
+        if force[0] > 0.0 {
+            let touch = delta[0] - force[0] * (delta[1] - delta[0]) / (force[1] - force[0]);
+            delta.insert(0, touch);
+            force.insert(0, 0.0);
+            lever.insert(0, lever[0]);
+        }
+        let slope = monotone_slopes(&delta, &force);
+        Ok(Line {
+            delta,
+            force,
+            slope,
+            lever,
+        })
+    }
+
     /// Force and lever at a displacement inside the samples.
     fn at(&self, delta: f64) -> (f64, f64) {
         let n = self.delta.len();

@@ -4,11 +4,10 @@
 //! along each axis by itself, the cheapest combination is swept and measured at random points of all
 //! coordinates, and the next combination follows from what was found.
 //!
-//! Along an axis, the solver gives fine lines through random points of the other coordinates.
-//! From few nodes on, a node is put into the middle of the interval where the splines through the nodes so far
-//! miss the fine solution most, again and again, without another solve. That gives, for each axis, error over
-//! number of nodes. The error at a point is that of the force, or that of the shuttling moment over
-//! [`MOMENT_TO_FORCE`] if that is larger.
+//! Along an axis, the solver gives fine lines through random points of the other coordinates. From few nodes on, a node is put
+//! into the middle of the interval where the splines through the nodes so far miss the fine solution most, again and again,
+//! without another solve. That gives, for each axis, error over number of nodes. The error at a point is that of the force, or
+//! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
     Coverage, Nominal, SEED, closest, displacement_nodes, graded_to, measure_at, mesh_positions,
@@ -28,18 +27,16 @@ const LARGEST_TO_RMS: f64 = 7.5;
 /// is interpolated, and it acts on bearings, not on the mesh.
 const MOMENT_TO_FORCE: f64 = 2.0;
 
-/// Grids that are swept at most.
 const ROUNDS: u64 = 4;
 
 /// Random points on which a grid is tried, and on which the chosen one's error is reported.
 const TRIAL_POINTS: usize = 600;
 const REPORTED_POINTS: usize = 1000;
 
-/// A grid whose spline is within `error` (rms, of the nominal force) of the solver at random points, and
-/// within 7.5 times that at all of them; the moment within twice as much, of
-/// nominal force times half the face. Both flanks share its axes, which are chosen on the
-/// drive flank, those of the misalignment closer at parallel axes where `tilt` (rad, see [`tilt`](super::tilt)) is small. The error
-/// returned is measured on points that had no part in the choice.
+/// A grid whose spline is within `error` (rms, of the nominal force) of the solver at random points, and within 7.5 times that at
+/// all of them; the moment within twice as much, of nominal force times half the face. Both flanks share its axes, which are
+/// chosen on the drive flank, those of the misalignment closer at parallel axes where `tilt` (rad, see [`tilt`](super::tilt)) is
+/// small. The error returned is measured on points that had no part in the choice.
 ///
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
 ///
@@ -54,28 +51,25 @@ pub fn table_within(
     watch: &Watch,
 ) -> Result<(FlankGrid, InterpolationError), TableError> {
     let nominal = Nominal::new(geometry, coverage);
-    let axes = [
-        Axis::CenterDistance,
-        Axis::Misalignment,
-        Axis::Displacement,
-        Axis::MeshPosition,
+    let choices = |axis| match fine_nodes(axis, coverage, tilt) {
+        Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, watch)?.choices(),
+        None => Ok(vec![Choice {
+            nodes: vec![0.0],
+            square: 0.0,
+            largest: 0.0,
+        }]),
+    };
+    let choices = [
+        choices(Axis::CenterDistance)?,
+        choices(Axis::Misalignment)?,
+        choices(Axis::Displacement)?,
+        choices(Axis::MeshPosition)?,
     ];
-    let mut choices = Vec::with_capacity(4);
-    for axis in axes {
-        choices.push(match fine_nodes(axis, coverage, tilt) {
-            Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, watch)?.choices()?,
-            None => vec![Choice {
-                nodes: vec![0.0],
-                square: 0.0,
-                largest: 0.0,
-            }],
-        });
-    }
     let measured = |grid: &FlankGrid, points: usize, seed: u64| {
         let table = FlankTable::new(grid, Interpolation::Spline)?;
         let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
         let points = coverage.draw(Random::new(seed), points);
-        measure_at(source, Flank::Drive, nominal, &found, points, watch)
+        measure_at(source, Flank::Drive, nominal, found, points, watch)
     };
     // The largest of a few hundred errors is not the largest there is: leave it a third.
     let excess = |e: &InterpolationError| {
@@ -112,7 +106,6 @@ pub fn table_within(
     Ok((grid, found))
 }
 
-/// One choice of nodes along an axis.
 struct Choice {
     nodes: Vec<f64>,
     /// Mean square and largest error over nominal force.
@@ -208,7 +201,6 @@ fn first_choice(axis: Axis, nodes: &[f64]) -> (Vec<usize>, usize) {
     (first, most)
 }
 
-/// The splines through `grid`; `None` where its nodes lie too far apart for a table.
 fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
     match FlankTable::new(grid, Interpolation::Spline) {
         Ok(table) => Ok(Some(table)),
@@ -220,7 +212,6 @@ fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
 /// Error of nodes through which no table can be put: larger than any other.
 const NO_TABLE: f64 = 1e3;
 
-/// Fine lines along one axis.
 struct Lines {
     axis: Axis,
     nodes: Vec<f64>,
@@ -311,7 +302,6 @@ impl Lines {
         Ok((square, largest))
     }
 
-    /// Choices with more and more nodes.
     fn choices(&self) -> Result<Vec<Choice>, TableError> {
         let (nodes, n) = (&self.nodes, self.nodes.len());
         let (mut chosen, most) = first_choice(self.axis, nodes);

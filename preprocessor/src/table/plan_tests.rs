@@ -29,38 +29,29 @@ const QUIET: Watch = Watch {
 
 struct Formula;
 
-struct At {
-    mesh_position: f64,
-    center_distance_offset: f64,
-}
-
-impl At {
-    fn query(&self, delta: f64, misalignment: f64) -> Query {
-        Query {
-            delta,
-            center_distance_offset: self.center_distance_offset,
-            misalignment,
-            mesh_position: self.mesh_position,
-        }
-    }
-}
-
-impl StaticPosition for At {
+/// At the coordinates of a query but its approach.
+impl StaticPosition for Query {
     fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        bisection([-1e-3, 1e-3], 80, |delta| {
-            Spring::potential(&self.query(delta, misalignment)).gradient[0] <= 0.0
+        approach(Prescribed::Torque(0.0), |delta| {
+            Spring::potential(&Query {
+                delta,
+                misalignment,
+                ..*self
+            })
+            .gradient[0]
         })
     }
 
     fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
-        let approach = approach(prescribed, |delta| {
-            Spring::potential(&self.query(delta, misalignment)).gradient[0]
-        });
-        let w = Spring::potential(&self.query(approach, misalignment));
+        self.misalignment = misalignment;
+        let at = |delta| Spring::potential(&Query { delta, ..*self }).gradient;
+        let approach = approach(prescribed, |delta| at(delta)[0]);
+        let [loa_force, _, moment, _] = at(approach);
         Ok(Sample {
             approach,
-            loa_force: w.gradient[0],
-            moment: w.gradient[2],
+            loa_force,
+            moment,
+            ..Sample::default()
         })
     }
 }
@@ -72,9 +63,10 @@ impl StaticSource for Formula {
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        Ok(Box::new(At {
+        Ok(Box::new(Query {
             mesh_position,
             center_distance_offset,
+            ..Query::default()
         }))
     }
 }
@@ -90,37 +82,23 @@ fn coverage() -> Coverage {
 
 #[test]
 fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_ours() {
-    let found = table_within(
-        &Formula,
-        &spur_pair(),
-        &coverage(),
-        f64::INFINITY,
-        2e-3,
-        &QUIET,
-    );
+    let (pair, coverage) = (spur_pair(), coverage());
+    let found = table_within(&Formula, &pair, &coverage, f64::INFINITY, 2e-3, &QUIET);
     let (grid, found) = found.unwrap();
     assert!(found.force_rms <= 2e-3, "{found:?}");
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
-    // Other points than those `measure` draws: a lattice.
-    let (mut squares, mut n) = (0.0, 0.0);
-    for i in 0..2000 {
-        let s = |a: f64| (0.5 + a * f64::from(i)).fract();
-        let (c, m, p) = (
-            200e-6 * s(0.733_9) - 100e-6,
-            6e-3 * s(0.628_7) - 3e-3,
-            s(0.538_6),
-        );
-        let mut at = At {
-            mesh_position: p,
-            center_distance_offset: c,
-        };
-        let exact = at.solve(Prescribed::Torque(20.0 * s(0.856_7)), m).unwrap();
-        let w = table.evaluate(&at.query(exact.approach, m), false);
-        squares += (w.gradient[0] - exact.loa_force).powi(2);
-        n += 1.0;
+    // Other points than those `measure` draws.
+    let mut random = Random::new(1);
+    let (mut squares, n) = (0.0, 2000);
+    for _ in 0..n {
+        let mut q = coverage.draw_query(&mut random, 1.0);
+        let torque = Prescribed::Torque(20.0 * random.next());
+        let exact = q.solve(torque, q.misalignment).unwrap();
+        q.delta = exact.approach;
+        squares += (table.evaluate(&q, false).gradient[0] - exact.loa_force).powi(2);
     }
-    let nominal = 10.0 / spur_pair().gears[0].base_radius();
-    let rms = f64::sqrt(squares / n) / nominal;
+    let nominal = 10.0 / pair.gears[0].base_radius();
+    let rms = f64::sqrt(squares / f64::from(n)) / nominal;
     assert!(rms < 2.5e-3, "{rms}");
     assert!((rms / found.force_rms - 1.0).abs() < 0.3, "{rms} {found:?}");
 }
@@ -206,6 +184,7 @@ impl StaticPosition for Wedge {
             approach,
             loa_force,
             moment,
+            ..Sample::default()
         })
     }
 }

@@ -26,16 +26,14 @@ pub fn default_sliding_axes(coverage: &Coverage, base_radius: f64) -> LoadAxes {
     load_axes(coverage, base_radius, misalignments, &forces)
 }
 
-/// Likewise: 9 forces from 0 on, 5 centre
-/// distances, 17 misalignments and 48 mesh positions. Small loads move along the face as the misalignment changes, and with
-/// it the place of the largest stress.
+/// Likewise: 9 forces from 0 on, 5 centre distances, 17 misalignments and 48 mesh positions. Small loads move along the face as
+/// the misalignment changes, and with it the place of the largest stress.
 pub fn default_root_stress_axes(coverage: &Coverage, base_radius: f64) -> LoadAxes {
     let forces = [0.0, 0.03, 0.065, 0.15, 0.26, 0.45, 0.68, 0.85, 1.0];
     let misalignments = coverage.graded_misalignments(17, 1.0);
     load_axes(coverage, base_radius, misalignments, &forces)
 }
 
-/// `forces` are parts of that of the largest torque.
 fn load_axes(
     coverage: &Coverage,
     base_radius: f64,
@@ -155,7 +153,6 @@ impl<'a> RootStressSweep<'a> {
     }
 }
 
-/// Static contact under load on one flank of gear 1.
 struct LoadSweep<'a> {
     solver: &'a ContactSolver,
     flank: Flank,

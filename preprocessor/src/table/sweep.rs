@@ -1,15 +1,16 @@
 //! Static solutions: where they come from, and the sweep that fills a grid with them.
 
-use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem, Prescribed};
+use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
+use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
-use gearmesh::table::{Axes, FlankGrid, TableError};
+use gearmesh::table::{Axes, FlankGrid, SlidingSamples, TableError};
 use gearmesh::words::rounded;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// One static equilibrium.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
     /// STE on the line of action at mid-face, m.
     pub approach: f64,
@@ -17,6 +18,8 @@ pub struct Sample {
     pub loa_force: f64,
     /// F_bt (z_c - z_ref), N m.
     pub moment: f64,
+    /// How the load slides; zero unless the source has a law of friction.
+    pub sliding: Sliding,
 }
 
 impl From<&ContactResult> for Sample {
@@ -25,6 +28,7 @@ impl From<&ContactResult> for Sample {
             approach: result.approach,
             loa_force: result.loa_force,
             moment: result.moment,
+            sliding: Sliding::default(),
         }
     }
 }
@@ -33,15 +37,10 @@ impl From<&ContactResult> for Sample {
 pub trait StaticPosition {
     /// Approach at the first touch, m.
     fn no_load_approach(&mut self, misalignment: f64) -> f64;
-    /// Equilibrium under a torque on gear 1 or at an approach.
-    ///
-    /// # Errors
-    /// What the solver says.
+    /// Equilibrium under a torque on gear 1 or at an approach. Errors are what the solver says.
     fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String>;
     /// Equilibrium up to which a table for this largest torque (N m) goes: that under the torque itself.
-    ///
-    /// # Errors
-    /// What the solver says.
+    /// Errors are what the solver says.
     fn top(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
         self.solve(Prescribed::Torque(torque), misalignment)
     }
@@ -49,16 +48,17 @@ pub trait StaticPosition {
 
 /// Static contact of a pair.
 pub trait StaticSource: Sync {
-    /// The contact at `mesh_position` and `center_distance_offset` (m).
-    ///
-    /// # Errors
-    /// What the solver says.
+    /// The contact at `mesh_position` and `center_distance_offset` (m). Errors are what the solver says.
     fn position(
         &self,
         flank: Flank,
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String>;
+    /// Law of friction that weights the sliding of its samples; `None`: they have none.
+    fn friction(&self) -> Option<FrictionLaw> {
+        None
+    }
 }
 
 /// How well the solves of a source went.
@@ -70,14 +70,6 @@ pub struct SolveQuality {
     pub most_iterations: usize,
     /// Largest KKT residual, see [`ContactResult::kkt_residual`].
     pub kkt_residual: f64,
-}
-
-impl SolveQuality {
-    fn add(&mut self, other: Self) {
-        self.solves += other.solves;
-        self.most_iterations = self.most_iterations.max(other.most_iterations);
-        self.kkt_residual = self.kkt_residual.max(other.kkt_residual);
-    }
 }
 
 /// A contact solver that keeps account of its solves.
@@ -95,9 +87,8 @@ impl<'a> WatchedSolver<'a> {
         }
     }
 
-    /// Of all solves so far whose position has been dropped.
+    /// Of all solves so far.
     pub fn quality(&self) -> SolveQuality {
-        // The account is whole even if a thread panicked while it held the lock.
         *self.quality.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -109,7 +100,7 @@ impl StaticSource for WatchedSolver<'_> {
         p: f64,
         c: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        SolverPosition::boxed(self.solver, flank, [p, c], Some(&self.quality))
+        SolverPosition::boxed(self.solver.position(flank, p, c), Some(&self.quality))
     }
 }
 
@@ -120,7 +111,7 @@ impl StaticSource for ContactSolver {
         p: f64,
         c: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        SolverPosition::boxed(self, flank, [p, c], None)
+        SolverPosition::boxed(self.position(flank, p, c), None)
     }
 }
 
@@ -128,23 +119,18 @@ impl StaticSource for ContactSolver {
 struct SolverPosition<'a> {
     problem: PositionProblem,
     warm: Option<ContactResult>,
-    quality: SolveQuality,
-    /// Where the quality goes when this is dropped.
-    account: Option<&'a Mutex<SolveQuality>>,
+    quality: Option<&'a Mutex<SolveQuality>>,
 }
 
 impl<'a> SolverPosition<'a> {
     fn boxed(
-        solver: &'a ContactSolver,
-        flank: Flank,
-        [p, c]: [f64; 2],
-        account: Option<&'a Mutex<SolveQuality>>,
+        problem: Result<PositionProblem, ContactError>,
+        quality: Option<&'a Mutex<SolveQuality>>,
     ) -> Result<Box<dyn StaticPosition + 'a>, String> {
         Ok(Box::new(SolverPosition {
-            problem: solver.position(flank, p, c).map_err(|e| e.to_string())?,
+            problem: problem.map_err(|e| e.to_string())?,
             warm: None,
-            quality: SolveQuality::default(),
-            account,
+            quality,
         }))
     }
 }
@@ -161,21 +147,13 @@ impl StaticPosition for SolverPosition<'_> {
             Prescribed::Approach(approach) => problem.solve_approach(approach, misalignment, warm),
         };
         let result = result.map_err(|e| e.to_string())?;
-        self.quality.add(SolveQuality {
-            solves: 1,
-            most_iterations: result.iterations,
-            kkt_residual: result.kkt_residual,
-        });
-        Ok(Sample::from(&*self.warm.insert(result)))
-    }
-}
-
-impl Drop for SolverPosition<'_> {
-    fn drop(&mut self) {
-        if let Some(account) = self.account {
-            let mut sum = account.lock().unwrap_or_else(PoisonError::into_inner);
-            sum.add(self.quality);
+        if let Some(quality) = self.quality {
+            let mut sum = quality.lock().unwrap_or_else(PoisonError::into_inner);
+            sum.solves += 1;
+            sum.most_iterations = sum.most_iterations.max(result.iterations);
+            sum.kkt_residual = sum.kkt_residual.max(result.kkt_residual);
         }
+        Ok(Sample::from(&*self.warm.insert(result)))
     }
 }
 
@@ -255,25 +233,24 @@ pub fn sweep(
         }
         Ok(column)
     })?;
-    let mut grid = FlankGrid {
-        axes: axes.clone(),
-        no_load_approach: vec![],
-        top_load_approach: vec![],
-        loa_force: vec![],
-        moment: None,
+    // Of all `samples` in the order of the table, those with the indices `rows` of a column.
+    let rows = |rows: std::ops::Range<usize>| {
+        let blocks = samples.chunks((nu + 1) * np);
+        blocks.flat_map(move |block| &block[rows.start * np..rows.end * np])
     };
-    let mut moment = vec![];
-    for block in samples.chunks((nu + 1) * np) {
-        let (low, samples) = block.split_at(np);
-        let top = &samples[(nu - 1) * np..];
-        grid.no_load_approach.extend(low.iter().map(|s| s.approach));
-        grid.top_load_approach
-            .extend(top.iter().map(|s| s.approach));
-        grid.loa_force.extend(samples.iter().map(|s| s.loa_force));
-        moment.extend(samples.iter().map(|s| s.moment));
-    }
-    grid.moment = Some(moment);
-    Ok(grid)
+    let loaded = rows(1..nu + 1);
+    let sliding = source.friction().map(|law| {
+        let sliding: Vec<Sliding> = loaded.clone().map(|s| s.sliding).collect();
+        SlidingSamples::new(&sliding, law.is_local())
+    });
+    Ok(FlankGrid {
+        axes: axes.clone(),
+        no_load_approach: rows(0..1).map(|s| s.approach).collect(),
+        top_load_approach: rows(nu..nu + 1).map(|s| s.approach).collect(),
+        loa_force: loaded.clone().map(|s| s.loa_force).collect(),
+        moment: Some(loaded.map(|s| s.moment).collect()),
+        sliding,
+    })
 }
 
 /// A solve that failed at (centre distance offset, misalignment, mesh position).

@@ -50,6 +50,8 @@ pub struct TeethSweep<'a> {
     pub coverage: &'a Coverage,
     /// Whether the coast flank is the drive flank mirrored.
     pub coast_mirrors_drive: bool,
+    /// Whether to keep how the load slides, for friction.
+    pub friction: bool,
 }
 
 impl TeethSweep<'_> {
@@ -86,7 +88,8 @@ impl TeethSweep<'_> {
         let sampled = |pair: &ToothPair, flank| {
             let places = [first, last - first];
             let source = ToothPairOver { pair, places };
-            let grid = sweep(&source, flank, &axes, coverage.maximum_torque, watch)?;
+            let mut grid = sweep(&source, flank, &axes, coverage.maximum_torque, watch)?;
+            grid.sliding = grid.sliding.filter(|_| self.friction);
             let coupling = coupling(solver, coverage, flank, &axes.misalignment)?;
             Ok::<_, TableError>((grid.for_file(), coupling))
         };
@@ -102,7 +105,7 @@ impl TeethSweep<'_> {
             drive,
             coast,
             coast_coupling_m_per_n,
-            friction: Some(self.solver.friction()),
+            friction: self.friction.then(|| solver.friction()),
             drive_errors: errors(&teeth.drive),
             coast_errors: errors(&teeth.coast),
             error: InterpolationError::default(),
@@ -161,7 +164,6 @@ fn approach(level: &TeethFlank, query: &Query, force: f64) -> f64 {
     })
 }
 
-/// Mesh positions at which all tooth pairs are looked at.
 const POSITIONS: usize = 32;
 
 /// Loads at each of them, evenly up to the largest: a greater load spreads over the face, where others take less.
@@ -274,7 +276,6 @@ impl Sums {
     }
 }
 
-/// All tooth pairs at a mesh position, together and each alone.
 struct Together {
     base_radius: f64,
     whole: PositionProblem,

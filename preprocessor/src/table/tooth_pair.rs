@@ -7,6 +7,7 @@
 use super::coverage::Coverage;
 use super::sweep::{Sample, StaticPosition, StaticSource, solve_error};
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
+use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{Axes, TableError};
 use rayon::prelude::*;
@@ -20,13 +21,10 @@ const REACH: f64 = 8.0;
 /// Steps in which the ends of the places are sought, base pitches; likewise how far within the reach of contact a pair stays.
 const STEP: f64 = 1.0 / 64.0;
 
-/// One tooth pair of a solver on one flank.
 pub(super) struct ToothPair {
     solver: ContactSolver,
     flank: Flank,
-    /// Nodes of centre distance and misalignment.
     nodes: [Vec<f64>; 2],
-    /// Over them.
     levels: Vec<Level>,
     /// Places beyond which the pair does not touch anywhere in the table.
     pub ends: [f64; 2],
@@ -41,7 +39,6 @@ struct Level {
     span: f64,
 }
 
-/// [`ToothPair`] over a range of places.
 pub(super) struct ToothPairOver<'a> {
     pub pair: &'a ToothPair,
     /// First and length.
@@ -49,8 +46,7 @@ pub(super) struct ToothPairOver<'a> {
 }
 
 impl ToothPair {
-    /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m)
-    /// apart.
+    /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m) apart.
     pub fn new(
         solver: &ContactSolver,
         flank: Flank,
@@ -139,9 +135,12 @@ impl StaticSource for ToothPairOver<'_> {
             warm: None,
         }))
     }
+
+    fn friction(&self) -> Option<FrictionLaw> {
+        Some(self.pair.solver.friction())
+    }
 }
 
-/// One tooth pair at one place.
 struct ToothPairPosition<'a> {
     pair: &'a ToothPair,
     problem: PositionProblem,
@@ -173,7 +172,12 @@ impl StaticPosition for ToothPairPosition<'_> {
         let result = self
             .problem
             .solve_beyond(shifted, misalignment, self.warm.as_ref());
-        let sample = Sample::from(&*self.warm.insert(result.map_err(|e| e.to_string())?));
+        let result = self.warm.insert(result.map_err(|e| e.to_string())?);
+        let solver = &self.pair.solver;
+        let sample = Sample {
+            sliding: solver.sliding(&self.problem, result, &solver.friction()),
+            ..Sample::from(&*result)
+        };
         Ok(match prescribed {
             Prescribed::Approach(approach) => Sample { approach, ..sample },
             Prescribed::Torque(_) => sample,

@@ -119,13 +119,13 @@ pub(crate) fn refusal(made: Result<Element, ElementError>) -> String {
 }
 
 /// The phases of the nominal pose.
-pub(crate) fn nominal_latch(element: &Element) -> Latch {
-    element.latch(&element.nominal_inputs()).unwrap()
+pub(crate) fn nominal_phase(element: &Element) -> PhaseOffset {
+    element.phase_offset(&element.nominal_inputs()).unwrap()
 }
 
 /// Loads at `inputs` with the phases of the nominal pose.
 pub(crate) fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    element.evaluate(&nominal_latch(element), inputs).unwrap()
+    element.evaluate(&nominal_phase(element), inputs).unwrap()
 }
 
 /// Power that the contact gives to the gears, W.
@@ -151,7 +151,7 @@ pub(crate) fn loop_work(
     j: usize,
     size: [f64; 2],
 ) -> (f64, f64) {
-    let latch = nominal_latch(element);
+    let phase = nominal_phase(element);
     let points = 96;
     let (mut work, mut energy) = (0.0, 0.0);
     for n in 0..points {
@@ -176,7 +176,7 @@ pub(crate) fn loop_work(
             let bracket = turn.cross(&turn_rate);
             m.w = turn_rate + bracket / 2.0 + turn.cross(&bracket) / 6.0;
         }
-        let out = element.evaluate(&latch, &inputs).unwrap();
+        let out = element.evaluate(&phase, &inputs).unwrap();
         assert_ne!(out.flank, 0, "the loop must stay in contact");
         work += power(&out, &inputs);
         energy += out.energy;

@@ -72,56 +72,45 @@ fn laws(drive: Smooth, coast: Smooth) -> FlankLaws {
 
 #[test]
 fn in_a_mirror_the_drive_flank_is_the_coast_flank_of_a_pair_of_the_other_hand() {
+    use LoadedFlank::{Both, Coast, Drive};
     let mut noise = Noise::new(17);
     for hand in [1.0, -1.0] {
         let images = formulations_and_pairs(-hand).into_iter();
         for ((formulation, pair), (_, image)) in
             formulations_and_pairs(hand).into_iter().zip(images)
         {
-            for (flank, _, i) in SINGLE_FLANKS {
-                let here = parameters(formulation, flank);
-                let here = Element::with_laws(&pair, &here, &laws(DRIVE, COAST)).unwrap();
-                let there = parameters(formulation, SINGLE_FLANKS[1 - i].0);
-                let there = Element::with_laws(&image, &there, &laws(COAST, DRIVE)).unwrap();
-                let [latch, image_latch] = [&here, &there].map(nominal_latch);
-                let mut touching = 0;
-                while touching < 8 {
+            for (flank, image_flank) in [(Drive, Coast), (Coast, Drive), (Both, Both)] {
+                // Phases are taken from one flank: with both those of the body frames are alike in the mirror.
+                let made = |pair, flank, laws| {
+                    let parameters = Parameters {
+                        phase_reference: match flank {
+                            Both => PhaseReference::Absolute,
+                            _ => PhaseReference::FromInitialPose,
+                        },
+                        ..parameters(formulation, flank)
+                    };
+                    let element = Element::with_laws(pair, &parameters, &laws).unwrap();
+                    let phase = nominal_phase(&element);
+                    (element, phase)
+                };
+                let (here, phase) = made(&pair, flank, laws(DRIVE, COAST));
+                let (there, image_phase) = made(&image, image_flank, laws(COAST, DRIVE));
+                let mut seen = [0; 2];
+                let enough = if flank == Both { 5 } else { 0 };
+                while seen[0].min(seen[1]) < enough || seen[0] + seen[1] < 8 {
                     let inputs = moving_pose(&here, &mut noise);
-                    let a = here.evaluate(&latch, &inputs).unwrap();
-                    let b = there.evaluate(&image_latch, &mirrored(&inputs)).unwrap();
-                    let errors = [b.transmission_error, -a.transmission_error];
-                    assert_relative_eq!(errors[0], errors[1], epsilon = 1e-15);
+                    let a = here.evaluate(&phase, &inputs).unwrap();
+                    let b = there.evaluate(&image_phase, &mirrored(&inputs)).unwrap();
                     assert_eq!(b.flank, -a.flank);
+                    if flank != Both {
+                        let errors = [b.transmission_error, -a.transmission_error];
+                        assert_relative_eq!(errors[0], errors[1], epsilon = 1e-15);
+                    }
                     if a.flank != 0 {
-                        touching += 1;
+                        seen[usize::from(a.flank < 0)] += 1;
                         assert_mirrored(&a, &b);
                     }
                 }
-            }
-        }
-    }
-}
-
-#[test]
-fn with_both_flanks_and_absolute_phases_the_mirror_exchanges_them_too() {
-    let mut noise = Noise::new(18);
-    let images = formulations_and_pairs(-1.0).into_iter();
-    for ((formulation, pair), (_, image)) in formulations_and_pairs(1.0).into_iter().zip(images) {
-        let both = Parameters {
-            phase_reference: PhaseReference::Absolute,
-            ..parameters(formulation, LoadedFlank::Both)
-        };
-        let here = Element::with_laws(&pair, &both, &laws(DRIVE, COAST)).unwrap();
-        let there = Element::with_laws(&image, &both, &laws(COAST, DRIVE)).unwrap();
-        let mut seen = [0; 2];
-        while seen[0] < 5 || seen[1] < 5 {
-            let inputs = moving_pose(&here, &mut noise);
-            let latch = Latch::default();
-            let a = here.evaluate(&latch, &inputs).unwrap();
-            let b = there.evaluate(&latch, &mirrored(&inputs)).unwrap();
-            if a.flank != 0 {
-                seen[usize::from(a.flank < 0)] += 1;
-                assert_mirrored(&a, &b);
             }
         }
     }
@@ -156,14 +145,14 @@ fn one_law_for_both_flanks_is_the_pair_turned_end_for_end() {
                 let parameters = parameters(Formulation::Conjugate, flank);
                 Element::with_laws(&pair, &parameters, &smooth_laws()).unwrap()
             });
-            let latch = nominal_latch(&here);
-            let latch_over = there.latch(&over(&here.nominal_inputs())).unwrap();
+            let phase = nominal_phase(&here);
+            let phase_over = there.phase_offset(&over(&here.nominal_inputs())).unwrap();
             let mut touching = 0;
             while touching < 8 {
                 let inputs = moving_pose(&here, &mut noise);
                 let turned = over(&inputs);
-                let a = here.evaluate(&latch, &inputs).unwrap();
-                let c = there.evaluate(&latch_over, &turned).unwrap();
+                let a = here.evaluate(&phase, &inputs).unwrap();
+                let c = there.evaluate(&phase_over, &turned).unwrap();
                 assert_eq!(c.flank, -a.flank);
                 if a.flank == 0 {
                     continue;

@@ -21,7 +21,7 @@ fn friction_never_gives_energy_and_acts_on_both_gears_alike() {
             let table = rubbing_table(&pair, law, own);
             let with = Element::new(&pair, &parameters, Some(table.clone())).unwrap();
             let without = Element::new(&pair, &off(&parameters), Some(table)).unwrap();
-            let latch = nominal_latch(&with);
+            let phase = nominal_phase(&with);
             for n in 0..60 {
                 let mut inputs = random_pose(&with, &mut noise);
                 // From creep to some m/s; translation alone, rotation alone and both.
@@ -29,8 +29,8 @@ fn friction_never_gives_energy_and_acts_on_both_gears_alike() {
                 let v = if n % 3 == 0 { 0.0 } else { speed };
                 let w = if n % 3 == 1 { 0.0 } else { 100.0 * speed };
                 set_velocities(&mut inputs, &mut noise, v, w);
-                let rubbed = with.evaluate(&latch, &inputs).unwrap();
-                let free = without.evaluate(&latch, &inputs).unwrap();
+                let rubbed = with.evaluate(&phase, &inputs).unwrap();
+                let free = without.evaluate(&phase, &inputs).unwrap();
                 let work = power(&rubbed, &inputs) - power(&free, &inputs);
                 let scale = power(&free, &inputs).abs() + work.abs();
                 assert!(rubbed.friction_power <= 0.0);
@@ -83,10 +83,10 @@ fn effects_that_are_off_change_no_bit_and_a_table_without_them_is_refused_by_nam
         let [one, two, with] = [(plain, &table), (plain, &bare), (stressed, &table)]
             .map(|(p, table)| Element::new(&pair, &p, Some(table.clone())).unwrap());
         assert!(one.friction.is_none() && one.root_stress.is_none());
-        let latch = nominal_latch(&one);
+        let phase = nominal_phase(&one);
         for _ in 0..50 {
             let inputs = random_pose(&one, &mut noise);
-            let [a, b, mut c] = [&one, &two, &with].map(|e| e.evaluate(&latch, &inputs).unwrap());
+            let [a, b, mut c] = [&one, &two, &with].map(|e| e.evaluate(&phase, &inputs).unwrap());
             assert_eq!(a, b);
             // Nothing else depends on the stress.
             c.root_stress = [0.0; 2];
@@ -128,10 +128,10 @@ fn loss_is_coefficient_times_load_times_sliding_in_either_sense() {
                 ..rubbing(Formulation::Conjugate, LoadedFlank::Drive)
             };
             let element = Element::new(&pair, &parameters, Some(table)).unwrap();
-            let latch = nominal_latch(&element);
+            let phase = nominal_phase(&element);
             let at = |spin: f64| {
                 let inputs = turning(&element, &pair, 8e-6, spin);
-                element.evaluate(&latch, &inputs).unwrap()
+                element.evaluate(&phase, &inputs).unwrap()
             };
             let [ahead, back] = [300.0, -300.0].map(at);
             assert!(ahead.flank == 1 && ahead.friction_power < -1.0);
@@ -167,14 +167,14 @@ fn flanks_that_just_roll_have_a_loss_factor_of_zero() {
     }
     let parameters = rubbing(Formulation::Conjugate, LoadedFlank::Drive);
     let element = Element::new(&pair, &parameters, Some(sealed(file))).unwrap();
-    let latch = nominal_latch(&element);
+    let phase = nominal_phase(&element);
     let at = |cycles: f64| {
         let mut inputs = turning(&element, &pair, 8e-6, 300.0);
         for (motion, z) in inputs.gears.iter_mut().zip([20.0, -20.0]) {
             let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), cycles * TAU / z);
             motion.r = turn.matrix() * motion.r;
         }
-        element.evaluate(&latch, &inputs).unwrap()
+        element.evaluate(&phase, &inputs).unwrap()
     };
     let from_pitch_point = |out: &Outputs| out.mesh_position - out.mesh_position.round();
     let to_it = -from_pitch_point(&at(0.0));
@@ -196,10 +196,10 @@ fn at_rest_under_load_friction_vanishes_and_creep_meets_it_viscously() {
     let table = rubbing_table(&pair, FrictionLaw::default(), false);
     let parameters = rubbing(Formulation::Conjugate, LoadedFlank::Drive);
     let element = Element::new(&pair, &parameters, Some(table)).unwrap();
-    let latch = nominal_latch(&element);
+    let phase = nominal_phase(&element);
     let at = |spin: f64| {
         let inputs = turning(&element, &pair, 8e-6, spin);
-        element.evaluate(&latch, &inputs).unwrap()
+        element.evaluate(&phase, &inputs).unwrap()
     };
     let rest = at(0.0);
     assert_eq!(rest.friction_power, 0.0);

@@ -4,19 +4,19 @@ use super::*;
 use crate::table::{FlankTable, samples::Spring};
 use nalgebra::SVector;
 
-fn nudged(m: &Motion, d: &MotionChange, h: f64) -> Motion {
-    Motion {
-        p: m.p + d.p * h,
-        r: Rotation3::new(d.rotation * h).matrix() * m.r,
-        v: m.v + d.v * h,
-        w: m.w + d.w * h,
-    }
-}
-
-fn moved_along(x: &Inputs, d: &InputsChange, h: f64) -> Inputs {
+fn moved_along(x: &Inputs, d: &Direction, h: f64) -> Inputs {
+    let nudged = |m: &Motion, first: usize| {
+        let part = |k: usize| d.fixed_rows::<3>(first + k) * h;
+        Motion {
+            p: m.p + part(0),
+            r: Rotation3::new(part(3)).matrix() * m.r,
+            v: m.v + part(6),
+            w: m.w + part(9),
+        }
+    };
     Inputs {
-        gears: [0, 1].map(|i| nudged(&x.gears[i], &d.gears[i], h)),
-        carrier: nudged(&x.carrier, &d.carrier, h),
+        gears: [0, 1].map(|i| nudged(&x.gears[i], i * BODY_COLUMNS)),
+        carrier: nudged(&x.carrier, 2 * BODY_COLUMNS),
     }
 }
 
@@ -24,34 +24,24 @@ fn moved_along(x: &Inputs, d: &InputsChange, h: f64) -> Inputs {
 /// differences, all rows but `mesh.stiffness` to `bar` of their scale, that one to `stiffness_bar`.
 fn compare(element: &Element, inputs: &Inputs, noise: &mut Noise, bar: f64, stiffness_bar: f64) {
     const STIFFNESS_ROW: usize = 22;
-    let latch = nominal_latch(element);
-    let mut change = || MotionChange {
-        p: noise.vector(1.0),
-        rotation: noise.vector(10.0),
-        v: noise.vector(100.0),
-        w: noise.vector(100.0),
-    };
-    let direction = InputsChange {
-        gears: [change(), change()],
-        carrier: change(),
-    };
-    let exact = element.directional_derivative(&latch, inputs, &direction);
-    let exact = exact.unwrap();
+    let phase = nominal_phase(element);
+    let scales = [1.0, 10.0, 100.0, 100.0];
+    let direction = Direction::from_fn(|i, _| scales[i % BODY_COLUMNS / 3] * noise.next());
+    let mut jacobian = Jacobian::zeros();
+    element.jacobian(&phase, inputs, &mut jacobian).unwrap();
+    let exact = jacobian * direction;
     // Truncation, of fourth order, stays below the bound at every pose of the sequence, and rounding far below.
     let h = 1e-8;
     let side = |h: f64| {
-        let out = element.evaluate(&latch, &moved_along(inputs, &direction, h));
+        let out = element.evaluate(&phase, &moved_along(inputs, &direction, h));
         SVector::from(out.unwrap().to_array())
     };
     let rough = (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * h);
     let value = side(0.0);
-    let mut jacobian = Jacobian::zeros();
-    element.jacobian(&latch, inputs, &mut jacobian).unwrap();
-    let along = direction.to_vector();
     // Outputs of one kind share a scale: forces, moments, then each scalar its own. It is that of the terms
     // which add up to the derivative, or of the value where that is larger.
     let scale = |i: usize| {
-        let terms = jacobian.row(i).transpose().component_mul(&along);
+        let terms = jacobian.row(i).transpose().component_mul(&direction);
         terms.abs().sum().max(value[i].abs())
     };
     for row in 0..CONTINUOUS_OUTPUTS {
@@ -81,12 +71,12 @@ fn derivatives_agree_with_finite_differences_and_with_each_other() {
     for (formulation, pair) in formulations_and_pairs(1.0) {
         let mut element = constant(&pair, formulation, LoadedFlank::Both);
         element.set_damping(1e5);
-        let latch = nominal_latch(&element);
+        let phase = nominal_phase(&element);
         let mut tried = 0;
         while tried < 8 {
             let mut inputs = random_pose(&element, &mut noise);
             set_velocities(&mut inputs, &mut noise, 1e-3, 1e-2);
-            if element.evaluate(&latch, &inputs).unwrap().flank != 0 {
+            if element.evaluate(&phase, &inputs).unwrap().flank != 0 {
                 tried += 1;
                 compare(&element, &inputs, &mut noise, 1e-6, 1e-6);
             }

@@ -31,7 +31,7 @@ fn poses_without_meaning_are_refused_by_name() {
         let pair = paper_pair(1.0);
         let element = constant(&pair, formulation, LoadedFlank::Both);
         let good = element.nominal_inputs();
-        let latch = element.latch(&good).unwrap();
+        let phase = element.phase_offset(&good).unwrap();
         let across = *Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2).matrix();
         type Change<'a> = (&'a dyn Fn(&mut Inputs), [&'a str; 2]);
         let changes: [Change<'_>; 4] = [
@@ -43,7 +43,7 @@ fn poses_without_meaning_are_refused_by_name() {
         for (change, parts) in changes {
             let mut inputs = good;
             change(&mut inputs);
-            let text = element.evaluate(&latch, &inputs).unwrap_err().to_string();
+            let text = element.evaluate(&phase, &inputs).unwrap_err().to_string();
             assert!(parts.iter().all(|part| text.contains(part)), "{text}");
         }
     }
@@ -53,7 +53,7 @@ fn poses_without_meaning_are_refused_by_name() {
 fn gears_out_of_reach_feel_nothing_and_get_there_along_a_gradient() {
     for pair in three_pairs(1.0) {
         let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
-        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
         let out_of_mesh = [
             Vector3::x() * (pair.e() * 12e-3),
             Vector3::z() * 26e-3,
@@ -62,7 +62,7 @@ fn gears_out_of_reach_feel_nothing_and_get_there_along_a_gradient() {
         for shift in out_of_mesh {
             let mut inputs = compressed(&element, 1.0, 5e-6);
             inputs.gears[1].p += shift;
-            let out = element.evaluate(&latch, &inputs).unwrap();
+            let out = element.evaluate(&phase, &inputs).unwrap();
             assert_eq!(out.force[1], Vector3::zeros());
             assert!(out.out_of_range);
         }
@@ -74,9 +74,9 @@ fn gears_out_of_reach_feel_nothing_and_get_there_along_a_gradient() {
         let energy = |dz: f64| {
             let mut x = inputs;
             x.gears[1].p.z += dz;
-            element.evaluate(&latch, &x).unwrap().energy
+            element.evaluate(&phase, &x).unwrap().energy
         };
-        let out = element.evaluate(&latch, &inputs).unwrap();
+        let out = element.evaluate(&phase, &inputs).unwrap();
         assert!(out.out_of_range && out.flank == 1);
         let slope = (energy(1e-7) - energy(-1e-7)) / 2e-7;
         assert_relative_eq!(out.force[1].z, -slope, max_relative = 1e-6);
@@ -111,10 +111,10 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
         let pair = internal_pair(z1, z2);
         let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
         let k = &element.constants;
-        let latch = element.latch(&element.nominal_inputs()).unwrap();
-        let energy = |x: &Inputs| element.evaluate(&latch, x).unwrap().energy;
+        let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
+        let energy = |x: &Inputs| element.evaluate(&phase, x).unwrap().energy;
         let inputs = compressed(&element, 1.0, 5e-6);
-        let nominal = element.evaluate(&latch, &inputs).unwrap();
+        let nominal = element.evaluate(&phase, &inputs).unwrap();
         assert_relative_eq!(
             nominal.tangential_force * k.cos_phi,
             4.35e8 * 5e-6,
@@ -139,9 +139,9 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
             let mut x = inputs;
             x.gears[1].p.x = x.gears[0].p.x + (x.gears[1].p.x - x.gears[0].p.x).signum() * c;
             // Nearer the axes the flanks part; gear 1 follows until they press again.
-            let gap = element.evaluate(&latch, &x).unwrap().transmission_error;
+            let gap = element.evaluate(&phase, &x).unwrap().transmission_error;
             let x = spun(&x, 0, (5e-6 - gap.min(0.0)) / k.rb[0]);
-            let out = element.evaluate(&latch, &x).unwrap();
+            let out = element.evaluate(&phase, &x).unwrap();
             assert!(share == 0.0 || out.flank == 1, "{z1}/{z2} {c}: {gap}");
             let mut loads = out.force.iter().chain(&out.moment);
             assert!(loads.all(|load| load.iter().all(|f| f.is_finite())));
@@ -172,13 +172,13 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
 fn a_gear_that_takes_the_common_face_along_is_out_of_range() {
     for pair in three_pairs(1.0) {
         let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
-        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
         let (_, width) = pair.face_overlap();
         for sign in [-1.0, 1.0] {
             let moved = |part: f64| {
                 let mut inputs = compressed(&element, 1.0, 5e-6);
                 inputs.gears[1].p.z += sign * part * width;
-                element.evaluate(&latch, &inputs).unwrap().out_of_range
+                element.evaluate(&phase, &inputs).unwrap().out_of_range
             };
             assert!(!moved(0.04));
             // A narrower face within the other one keeps its width, not its place.
@@ -211,38 +211,24 @@ fn parameters_without_a_meaning_are_refused_by_name() {
         nominal_torque,
         ..with_table
     };
+    let (mut friction, mut root_stress) = (good, good);
+    (friction.friction, root_stress.root_stress) = (true, true);
+    let beyond = Parameters {
+        load_dependent: false,
+        damping_onset: 1e-9,
+        ..torque(1e6)
+    };
     made(&pair, &backlash(0.4 * pitch));
     Element::new(&pair, &torque(200.0), Some(table.clone())).unwrap();
+    let by_table = "stiffnessModel = table";
     for (parameters, start, remedy) in [
         (backlash(0.6 * pitch), "backlash = ", "half a pitch"),
         (backlash(110.0), "backlash = 110 m: ", "half a pitch"),
         (backlash(-1.0), "backlash = -1 m: ", "zero or above"),
-        (
-            Parameters {
-                friction: true,
-                ..good
-            },
-            "friction = true: ",
-            "stiffnessModel = table",
-        ),
-        (
-            Parameters {
-                root_stress: true,
-                ..good
-            },
-            "rootStress = true: ",
-            "stiffnessModel = table",
-        ),
+        (friction, "friction = true: ", by_table),
+        (root_stress, "rootStress = true: ", by_table),
         (torque(1e300), "nominalTorque = 1e300 N m: ", "dampingOnset"),
-        (
-            Parameters {
-                load_dependent: false,
-                damping_onset: 1e-9,
-                ..torque(1e6)
-            },
-            "nominalTorque",
-            "choose",
-        ),
+        (beyond, "nominalTorque", "choose"),
     ] {
         let text = refused(parameters);
         assert!(text.contains(start) && text.contains(remedy), "{text}");

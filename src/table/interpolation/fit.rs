@@ -1,31 +1,27 @@
 //! From values at the nodes of a grid to the coefficients of tensor B-splines.
 
 use super::basis::{Basis, Ends};
-use crate::table::TableError;
+use crate::table::error::refused;
+use crate::table::{Axes, Axis, TableError};
 
 /// A dense array over (centre distance, misalignment, displacement, mesh position), the last index fastest.
 #[derive(Debug, Clone)]
 pub struct Block {
-    /// Lengths in that order.
     pub lengths: [usize; 4],
-    /// Values.
     pub values: Vec<f64>,
 }
 
 impl Block {
-    /// Distance in memory from one index of `axis` to the next.
     pub fn stride(&self, axis: usize) -> usize {
         self.lengths[axis + 1..].iter().product()
     }
 
-    /// Start of every line along `axis`.
     pub fn lines(&self, axis: usize) -> impl Iterator<Item = usize> + use<> {
         let (n, stride) = (self.lengths[axis], self.stride(axis));
         (0..self.values.len() / (n * stride))
             .flat_map(move |outer| (0..stride).map(move |inner| outer * n * stride + inner))
     }
 
-    /// The block with every line along `axis` summed, weighted by `row`.
     pub fn combined(&self, axis: usize, row: &[f64]) -> Block {
         self.mapped(axis, 1, |line| {
             vec![row.iter().zip(line).map(|(w, x)| w * x).sum()]
@@ -62,31 +58,12 @@ impl Block {
 pub fn breaks(nodes: &[f64], degree: usize, ends: Ends) -> Vec<f64> {
     let n = nodes.len();
     match (ends, degree) {
-        (Ends::Periodic, _) => {
-            let mut b = nodes.to_vec();
-            b.push(nodes[0] + 1.0);
-            b
-        }
+        (Ends::Periodic, _) => [nodes, &[nodes[0] + 1.0]].concat(),
         // Not-a-knot: no cell ends at the second and the last but one node.
-        (Ends::Bounded, 3) => {
-            let mut b = vec![nodes[0]];
-            b.extend_from_slice(&nodes[2..n - 2]);
-            b.push(nodes[n - 1]);
-            b
-        }
-        // Value, slope and curvature vanish at 0: one more cell before the first node, and
-        // not-a-knot at the upper end.
-        (Ends::Onset, 3) => {
-            let mut b = vec![0.0, 0.5 * nodes[0]];
-            b.extend_from_slice(&nodes[..n - 2]);
-            b.push(nodes[n - 1]);
-            b
-        }
-        (Ends::Onset, _) => {
-            let mut b = vec![0.0];
-            b.extend_from_slice(nodes);
-            b
-        }
+        (Ends::Bounded, 3) => [&nodes[..1], &nodes[2..n - 2], &nodes[n - 1..]].concat(),
+        // Value, slope and curvature vanish at 0: one more cell before the first node, and not-a-knot at the upper end.
+        (Ends::Onset, 3) => [&[0.0, 0.5 * nodes[0]], &nodes[..n - 2], &nodes[n - 1..]].concat(),
+        (Ends::Onset, _) => [&[0.0], nodes].concat(),
         (Ends::Bounded, _) => nodes.to_vec(),
     }
 }
@@ -116,14 +93,10 @@ impl Fit {
                 }
             }
         }
-        let collocation = Banded::factored(n, &entries).ok_or_else(|| {
-            TableError::field(
-                name,
-                format!("{nodes:?}"),
-                "no spline passes through these nodes",
-                "space them more evenly",
-            )
-        })?;
+        let Some(collocation) = Banded::factored(n, &entries) else {
+            let reason = "no spline passes through these nodes; space them more evenly";
+            return refused(name, format!("{nodes:?}"), reason);
+        };
         Ok(Fit {
             pad,
             stored: basis.stored(),
@@ -139,7 +112,6 @@ impl Fit {
         zeros.chain(repeated).take(self.stored).collect()
     }
 
-    /// `block` with every line along `axis` taken from values at nodes to coefficients.
     pub fn along(&self, axis: usize, block: &Block) -> Block {
         block.mapped(axis, self.stored, |line| self.coefficients(&line))
     }
@@ -159,7 +131,40 @@ pub fn axis<const N: usize>(
     Ok((basis, fit))
 }
 
-/// A number from samples along a line.
+/// The coordinates but the displacement: bases of centre distance, misalignment and mesh position, and fits of values at
+/// their nodes.
+pub struct Others<const N: usize> {
+    pub bases: [Basis<N>; 3],
+    fits: [Fit; 3],
+}
+
+impl<const N: usize> Others<N> {
+    pub fn new([c, m, p]: [&[f64]; 3]) -> Result<Self, TableError> {
+        let (c, along_c) = axis(c, Ends::Bounded, Axis::CenterDistance.name())?;
+        let (m, along_m) = axis(m, Ends::Bounded, Axis::Misalignment.name())?;
+        let (p, along_p) = axis(p, Ends::Periodic, Axis::MeshPosition.name())?;
+        Ok(Others {
+            bases: [c, m, p],
+            fits: [along_c, along_m, along_p],
+        })
+    }
+
+    pub fn of(axes: &Axes) -> Result<Self, TableError> {
+        let [c, m] = [&axes.center_distance_offset, &axes.misalignment];
+        Self::new([c, m, &axes.mesh_position])
+    }
+
+    /// Coefficients for the values of `block`, which has `third` along its third axis.
+    pub fn fit(&self, block: &Block, third: Option<&Fit>) -> Block {
+        let [c, m, p] = &self.fits;
+        let mut fitted = m.along(1, &c.along(0, block));
+        if let Some(third) = third {
+            fitted = third.along(2, &fitted);
+        }
+        p.along(3, &fitted)
+    }
+}
+
 type Functional = Box<dyn Fn(&[f64]) -> f64>;
 
 /// What takes samples at `nodes` to the value at 0, by the spline through them.
@@ -168,12 +173,9 @@ pub fn at_zero(nodes: &[f64], name: &str) -> Result<Functional, TableError> {
         return Ok(Box::new(move |line| line[k]));
     }
     if !(nodes[0] < 0.0 && nodes[nodes.len() - 1] > 0.0) {
-        return Err(TableError::field(
-            name,
-            format!("{nodes:?}"),
-            "the nominal value 0 lies outside this axis, so its effect cannot be switched off",
-            "make tables whose range includes 0",
-        ));
+        let reason = "the nominal value 0 lies outside this axis, so its effect cannot be switched off; make tables whose range \
+                      includes 0";
+        return refused(name, format!("{nodes:?}"), reason);
     }
     let (basis, fit) = axis::<4>(nodes, Ends::Bounded, name)?;
     let w = basis.inside(0.0);
@@ -191,7 +193,6 @@ struct Banded {
     above: usize,
     /// Row by row from `below` before the diagonal on: factors of the elimination, then what it left.
     rows: Vec<f64>,
-    /// The row that changed places with each.
     pivots: Vec<usize>,
 }
 
@@ -251,7 +252,6 @@ impl Banded {
         &mut self.rows[i * (self.below + self.above) + self.below + j]
     }
 
-    /// The solution with the right-hand side `b`.
     fn solved(&self, b: &[f64]) -> Vec<f64> {
         let (n, width) = (self.n, self.below + self.above);
         let row = |i: usize, columns: std::ops::Range<usize>| {
@@ -352,74 +352,25 @@ mod tests {
         nodes.collect()
     }
 
+    /// As many nodes as the checks of tables admit, too; a dense matrix would have 1e8 entries.
     #[test]
-    fn a_fit_is_the_inverse_of_its_collocation_matrix() {
-        for n in 5..40 {
+    fn the_spline_passes_through_its_nodes_and_ten_thousand_are_fitted_at_once() {
+        let before = std::time::Instant::now();
+        for n in (5..40).chain([10_000]) {
             for ends in [Ends::Bounded, Ends::Onset, Ends::Periodic] {
                 let mut nodes = uneven(n);
                 if ends == Ends::Onset {
                     nodes.iter_mut().for_each(|x| *x += 0.5 / n as f64);
                 }
-                let basis = Basis::<4>::new(&breaks(&nodes, 3, ends), ends);
-                let pad = if ends == Ends::Onset { 3 } else { 0 };
-                let mut dense = nalgebra::DMatrix::<f64>::zeros(n, n);
-                for (i, &x) in nodes.iter().enumerate() {
-                    let w = basis.inside(x);
-                    for (k, value) in w.value.into_iter().enumerate() {
-                        if let Some(j) = (w.first + k).checked_sub(pad) {
-                            dense[(i, j % n)] += value;
-                        }
-                    }
-                }
                 let values: Vec<f64> = nodes.iter().map(|x| (7.0 * x).sin()).collect();
-                let inverse = dense.try_inverse().unwrap();
-                let expected = &inverse * nalgebra::DVector::from_column_slice(&values);
-                let found = Fit::new(&basis, &nodes, "x").unwrap();
-                let found = found.coefficients(&values);
-                for (k, x) in found.iter().enumerate() {
-                    let right = k.checked_sub(pad).map_or(0.0, |k| expected[k % n]);
-                    assert_abs_diff_eq!(*x, right, epsilon = 1e-13);
+                let (basis, fit) = axis::<4>(&nodes, ends, "x").unwrap();
+                let found = fit.coefficients(&values);
+                for (x, y) in nodes.iter().zip(&values) {
+                    let w = basis.inside(*x);
+                    assert_abs_diff_eq!(w.sum(&w.value, &found), *y, epsilon = 1e-13);
                 }
             }
         }
-    }
-
-    /// As many as the checks of tables admit; a dense matrix would have 1e8 entries.
-    #[test]
-    fn ten_thousand_nodes_are_fitted_at_once() {
-        let nodes = uneven(10_000);
-        let basis = Basis::<4>::new(&breaks(&nodes, 3, Ends::Periodic), Ends::Periodic);
-        let values: Vec<f64> = nodes
-            .iter()
-            .map(|x| (std::f64::consts::TAU * x).sin())
-            .collect();
-        let before = std::time::Instant::now();
-        let fit = Fit::new(&basis, &nodes, "mesh_position").unwrap();
-        let found = fit.coefficients(&values);
         assert!(before.elapsed().as_secs_f64() < 1.0);
-        for (x, y) in nodes.iter().zip(&values) {
-            let w = basis.inside(*x);
-            assert_abs_diff_eq!(w.sum(&w.value, &found), *y, epsilon = 1e-13);
-        }
-    }
-
-    #[test]
-    fn onset_spline_reproduces_a_cubic_and_its_integral() {
-        let nodes = [0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
-        let (_, fit) = axis::<4>(&nodes, Ends::Onset, "u").unwrap();
-        let coefficients = fit.coefficients(&nodes.map(|x| x * x * x));
-        let b = breaks(&nodes, 3, Ends::Onset);
-        let potential = Basis::<5>::new(&b, Ends::Onset);
-        let integral = integrated(&coefficients, &b, 3);
-        assert_eq!(integral.len(), potential.stored());
-        for i in 0..=100 {
-            let x = f64::from(i) / 100.0;
-            let w = potential.inside(x);
-            let [value, slope, curvature] =
-                [w.value, w.slope, w.curvature].map(|weights| w.sum(&weights, &integral));
-            assert_abs_diff_eq!(value, x.powi(4) / 4.0, epsilon = 1e-13);
-            assert_abs_diff_eq!(slope, x.powi(3), epsilon = 1e-12);
-            assert_abs_diff_eq!(curvature, 3.0 * x * x, epsilon = 1e-10);
-        }
     }
 }

@@ -15,30 +15,22 @@ pub struct Frame<const N: usize> {
     pub c: Basis<N>,
     pub m: Basis<N>,
     pub p: Basis<N>,
-    /// The approach at which contact begins.
     pub no_load: Coefficients<N>,
-    /// From there to the top load.
     pub span: Coefficients<N>,
 }
 
-/// A [`Frame`] at one point.
 pub struct Framed<const N: usize> {
-    /// Weights of centre distance, misalignment and mesh position.
     pub weights: Point<N>,
     /// Which of them are axes; the others cost nothing, and derivatives by them are zero.
     present: [bool; 3],
-    /// The approach at which contact begins, m.
     no_load: Jet,
-    /// From there to the top load, m.
     span: Jet,
-    /// Scaled displacement.
     pub u: f64,
     /// Whether the point is outside the range of centre distance or misalignment.
     pub outside: bool,
 }
 
 impl<const N: usize> Frame<N> {
-    /// The axes that there are as bits, for code that is compiled for them.
     pub fn axes(&self) -> usize {
         let [c, m, p] = self.present::<ANY>().map(usize::from);
         c | m << 1 | p << 2
@@ -46,19 +38,16 @@ impl<const N: usize> Frame<N> {
 
     #[inline(always)]
     fn present<const AXES: usize>(&self) -> [bool; 3] {
-        if AXES == ANY {
-            [self.c.present(), self.m.present(), self.p.present()]
-        } else {
-            [AXES & 1 != 0, AXES & 2 != 0, AXES & 4 != 0]
+        match AXES {
+            ANY => [self.c.present(), self.m.present(), self.p.present()],
+            _ => [AXES & 1 != 0, AXES & 2 != 0, AXES & 4 != 0],
         }
     }
 
-    /// Memory of the coefficients.
     pub fn bytes(&self) -> usize {
         self.no_load.bytes() + self.span.bytes()
     }
 
-    /// At `q`, with second derivatives if `H`.
     #[inline(always)]
     pub fn at<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Framed<N> {
         let present @ [by_c, by_m, by_p] = self.present::<AXES>();
@@ -86,6 +75,10 @@ impl<const N: usize> Frame<N> {
         }
     }
 
+    pub fn fraction(&self, q: &Query) -> f64 {
+        self.at::<false, ANY>(Lanes::COMMON, q).u
+    }
+
     /// The approach at which contact begins outside the range: it follows the coordinate however far that goes; only
     /// stiffness levels out.
     #[cold]
@@ -98,7 +91,6 @@ impl<const N: usize> Frame<N> {
 }
 
 impl<const N: usize> Framed<N> {
-    /// The potential out of contact.
     #[inline(always)]
     pub fn none(&self) -> Potential {
         Potential {
@@ -107,7 +99,6 @@ impl<const N: usize> Framed<N> {
         }
     }
 
-    /// Derivatives of u by y.
     #[inline(always)]
     fn scaled_gradient(&self, inverse: f64) -> [f64; 3] {
         let mut slopes = [0.0; 3];

@@ -21,7 +21,6 @@ pub struct Point<const N: usize> {
 }
 
 impl<const N: usize> Point<N> {
-    /// How many functions of centre distance and of misalignment there are here.
     #[inline(always)]
     fn counts<const AXES: usize>(&self) -> [usize; 2] {
         if AXES == ANY {
@@ -32,21 +31,17 @@ impl<const N: usize> Point<N> {
     }
 }
 
-/// Value and derivatives over (centre distance, misalignment, mesh position).
+/// Value and derivatives over (centre distance, misalignment, mesh position), the second ones CC, CM, CP, MM, MP, PP.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Jet {
-    /// Value.
     pub value: f64,
-    /// First derivatives.
     pub gradient: [f64; 3],
-    /// Second derivatives: CC, CM, CP, MM, MP, PP.
     pub second: [f64; 6],
 }
 
 /// Where the second derivative by coordinates i and j stands in [`Jet::second`].
 pub const SECOND: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
-/// `to` += `factor` `from`; the first time `to` = `factor` `from`.
 #[inline(always)]
 fn put<const N: usize>(lanes: Lanes, time: usize, to: &mut [f64; N], factor: f64, from: &[f64; N]) {
     if time == 0 {
@@ -60,10 +55,8 @@ fn put<const N: usize>(lanes: Lanes, time: usize, to: &mut [f64; N], factor: f64
 #[derive(Clone, Copy)]
 struct Plane<const N: usize> {
     value: [f64; N],
-    /// Derivatives by centre distance and misalignment.
     c: [f64; N],
     m: [f64; N],
-    /// Second derivatives, only with `H`.
     cc: [f64; N],
     cm: [f64; N],
     mm: [f64; N],
@@ -115,7 +108,6 @@ impl<const N: usize> Plane<N> {
         sum
     }
 
-    /// Closed along the mesh position.
     #[inline(always)]
     fn jet<const H: bool>(&self, wp: &Weights<N>) -> Jet {
         let mut jet = Jet {
@@ -151,7 +143,6 @@ pub struct Coefficients<const N: usize> {
 }
 
 impl<const N: usize> Coefficients<N> {
-    /// From the array of a fit with lengths (c, m, row, mesh position).
     pub fn new(block: &Block) -> Self {
         let [_, nm, rows, np] = block.lengths;
         let groups = np.div_ceil(N);
@@ -161,17 +152,10 @@ impl<const N: usize> Coefficients<N> {
             values.extend_from_slice(row);
             values.resize(values.len().next_multiple_of(N), 0.0);
         }
-        Coefficients {
-            values,
-            strides: [
-                stride(groups * rows * nm),
-                stride(groups * rows),
-                stride(groups),
-            ],
-        }
+        let strides = [groups * rows * nm, groups * rows, groups].map(stride);
+        Coefficients { values, strides }
     }
 
-    /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         8 * self.values.len()
     }
@@ -193,7 +177,6 @@ impl<const N: usize> Coefficients<N> {
         (rows, strides)
     }
 
-    /// A quantity that does not depend on the displacement, with second derivatives if `H`.
     #[inline(always)]
     pub fn field<const H: bool, const AXES: usize>(&self, lanes: Lanes, at: &Point<N>) -> Jet {
         let (rows, [c, m, _]) = self.cell::<AXES>(at, 0, 1);
@@ -233,13 +216,11 @@ impl<const N: usize> Coefficients<N> {
     }
 }
 
-/// A quantity over the displacement, as the chain rule needs it.
+/// A quantity over the displacement, its slope and second derivative by that, as the chain rule needs them; second derivatives of
+/// the quantity and first ones of the slope only with `H`.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
-    /// The quantity; second derivatives only with `H`.
     pub value: Jet,
-    /// Its slope over the displacement, first derivatives only with `H`.
     pub slope: Jet,
-    /// Its second derivative by the displacement.
     pub curvature: f64,
 }

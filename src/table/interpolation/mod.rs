@@ -12,7 +12,7 @@ mod shepard;
 mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
-pub(crate) use fit::{Block, Fit, at_zero, axis};
+pub(crate) use fit::{Block, Others, at_zero, axis};
 pub(crate) use kernel::{ANY, Coefficients, Point};
 
 use super::{FlankGrid, Potential, Query, TableError};
@@ -58,17 +58,20 @@ impl FlankTable {
     pub fn new(grid: &FlankGrid, interpolation: Interpolation) -> Result<Self, TableError> {
         grid.check("samples")?;
         let spline = || Tensor::<5, 4>::new::<4>(grid);
-        let interpolant = match interpolation {
+        Ok(Self::evaluated_widest(match interpolation {
             Interpolation::Linear => Interpolant::Linear(Tensor::new::<2>(grid)?),
             Interpolation::Spline => Interpolant::Spline(spline()?),
             Interpolation::Shepard => {
                 Interpolant::Shepard(Box::new(Shepard::new(grid, spline()?)?))
             }
-        };
-        Ok(FlankTable {
+        }))
+    }
+
+    fn evaluated_widest(interpolant: Interpolant) -> Self {
+        FlankTable {
             interpolant,
             lanes: Lanes::widest(),
-        })
+        }
     }
 
     /// Constant load: the stiffness is the secant at the force `loa_force` (N, transverse, line of
@@ -89,16 +92,12 @@ impl FlankTable {
         loa_force: f64,
     ) -> Result<Self, TableError> {
         grid.check("samples")?;
-        let interpolant = match interpolation {
+        Ok(Self::evaluated_widest(match interpolation {
             Interpolation::Linear => Interpolant::Linear(Tensor::constant_load(grid, loa_force)?),
             Interpolation::Spline | Interpolation::Shepard => {
                 Interpolant::Secant(Tensor::constant_load(grid, loa_force)?)
             }
-        };
-        Ok(FlankTable {
-            interpolant,
-            lanes: Lanes::widest(),
-        })
+        }))
     }
 
     /// The potential at `query`, with first derivatives and the tangent stiffness `hessian[0][0]`; the
@@ -119,6 +118,16 @@ impl FlankTable {
         }
     }
 
+    /// Displacement at `query` in units of the grid: 0 where contact begins, 1 at the top load.
+    pub fn fraction(&self, query: &Query) -> f64 {
+        match &self.interpolant {
+            Interpolant::Linear(tensor) => tensor.frame.fraction(query),
+            Interpolant::Spline(tensor) => tensor.frame.fraction(query),
+            Interpolant::Secant(tensor) => tensor.frame.fraction(query),
+            Interpolant::Shepard(shepard) => shepard.frame.fraction(query),
+        }
+    }
+
     /// Approach (m) at which the transverse force on the line of action is `force` (N), > 0, with the rest as in `pose`.
     pub fn approach_at(&self, force: f64, pose: &Query) -> f64 {
         let carried = |delta| self.evaluate(&Query { delta, ..*pose }, false).gradient[0];
@@ -128,15 +137,6 @@ impl FlankTable {
             high *= 2.0;
         }
         bisection([-1e-3, high], 60, below)
-    }
-
-    /// The same table evaluated with the vector registers that every processor of the family has. Results are
-    /// the same to the bit; for comparisons.
-    pub fn with_common_registers(self) -> Self {
-        FlankTable {
-            lanes: Lanes::COMMON,
-            ..self
-        }
     }
 
     /// Memory of the coefficients, bytes.

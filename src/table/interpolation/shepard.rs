@@ -17,6 +17,7 @@ use super::kernel::{ANY, Jet, SECOND, Shape};
 use super::tensor::Tensor;
 use crate::table::{Axis, COORDINATES, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;
+use nalgebra::{Matrix4, Vector4};
 use std::array::from_fn;
 use std::ops::AddAssign;
 
@@ -28,19 +29,15 @@ const Y: [usize; 3] = [0, 1, 3];
 /// from its corners; half a cell beyond the edge, it is 1 again.
 const REACH: f64 = 1.75;
 
-/// Most nodes that are looked at along one axis. On an even axis four can reach a point; on one so wildly graded that
-/// more than these do, the farther ones are left out.
+/// Most nodes along one axis that are looked at. On an even axis four can reach a point.
 const MOST: usize = 24;
 
-/// Potential of one flank by Shepard's method.
 #[derive(Debug)]
 pub struct Shepard {
-    /// The coordinate, by the spline.
-    frame: Frame<4>,
+    pub frame: Frame<4>,
     u: Basis<5>,
     /// Coefficients of h.
     mean: Vec<f64>,
-    /// g.
     shape: Scatter,
     /// Moment over dh/du, where it is not dW/dM.
     lever: Option<Scatter>,
@@ -49,7 +46,6 @@ pub struct Shepard {
 }
 
 impl Shepard {
-    /// From the samples of one flank; `tensor` is the spline through the same.
     pub fn new(grid: &FlankGrid, tensor: Tensor<5, 4>) -> Result<Self, TableError> {
         let axes = &grid.axes;
         let u_nodes = &axes.displacement_fraction;
@@ -110,25 +106,20 @@ impl Shepard {
     /// The `derivative`th derivative of h, times `scatter`, at x = (C, M, u, PMC).
     fn product(&self, scatter: &Scatter, derivative: usize, x: [f64; COORDINATES]) -> Dual {
         let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &self.nodes[i]));
-        let turn = if self.frame.p.present() {
-            x[3] - x[3].floor()
-        } else {
-            0.0
+        let turn = match self.frame.p.present() {
+            true => x[3] - x[3].floor(),
+            false => 0.0,
         };
         let g = scatter.at([stops[0][0], stops[1][0], stops[2][0], turn]);
         let (w, _) = self.u.weights(Lanes::COMMON, x[U], 2);
         let h = [&w.value, &w.slope, &w.curvature].map(|weights| w.sum(weights, &self.mean));
-        let mut factor = Dual {
-            value: h[derivative],
-            ..Dual::default()
-        };
+        let mut factor = Dual::constant(h[derivative]);
         factor.gradient[U] = h[derivative + 1];
         // The second derivative of the force is not needed.
-        factor.hessian[U][U] = h.get(derivative + 2).copied().unwrap_or_default();
+        factor.hessian[(U, U)] = h.get(derivative + 2).copied().unwrap_or_default();
         factor.times(&g.through_stops(&stops))
     }
 
-    /// The potential at `q`, all derivatives with it.
     pub fn evaluate(&self, lanes: Lanes, q: &Query) -> Potential {
         let at = lanes.run(
             #[inline(always)]
@@ -140,30 +131,27 @@ impl Shepard {
         let (c, m) = (q.center_distance_offset, q.misalignment);
         let x = [c, m, at.u, q.mesh_position];
         let w = self.product(&self.shape, 0, x);
-        let mut second = [0.0; 6];
-        for i in 0..3 {
-            for j in i..3 {
-                second[SECOND[i][j]] = w.hessian[Y[i]][Y[j]];
-            }
-        }
-        let first_order = |value: f64, gradient: [f64; 3]| Jet {
+        let jet = |value: f64, gradient: [f64; 3]| Jet {
             value,
             gradient,
             ..Jet::default()
         };
-        let mut out = at.potential::<true>(&Shape {
-            value: Jet {
-                second,
-                ..first_order(w.value, Y.map(|i| w.gradient[i]))
-            },
-            slope: first_order(w.gradient[U], Y.map(|i| w.hessian[i][U])),
-            curvature: w.hessian[U][U],
-        });
+        let mut shape = Shape {
+            value: jet(w.value, Y.map(|i| w.gradient[i])),
+            slope: jet(w.gradient[U], Y.map(|i| w.hessian[(i, U)])),
+            curvature: w.hessian[(U, U)],
+        };
+        for (i, row) in SECOND.iter().enumerate() {
+            for (j, n) in row.iter().enumerate().skip(i) {
+                shape.value.second[*n] = w.hessian[(Y[i], Y[j])];
+            }
+        }
+        let mut out = at.potential::<true>(&shape);
         if let Some(lever) = &self.lever {
             let moment = self.product(lever, 1, x);
             let shape = Shape {
                 value: Jet::default(),
-                slope: first_order(moment.value, Y.map(|i| moment.gradient[i])),
+                slope: jet(moment.value, Y.map(|i| moment.gradient[i])),
                 curvature: moment.gradient[U],
             };
             at.set_moment::<true>(&mut out, &shape);
@@ -172,11 +160,10 @@ impl Shepard {
         out
     }
 
-    /// Memory of the coefficients.
     pub fn bytes(&self) -> usize {
-        let quadratics = |scatter: &Scatter| std::mem::size_of_val(&scatter.quadratics[..]);
-        let lever = self.lever.as_ref().map_or(0, quadratics);
-        quadratics(&self.shape) + lever + self.frame.bytes() + 8 * self.mean.len()
+        let scatters = [&self.shape].into_iter().chain(&self.lever);
+        let quadratics = scatters.map(|scatter| size_of_val(&scatter.quadratics[..]));
+        quadratics.sum::<usize>() + self.frame.bytes() + 8 * self.mean.len()
     }
 }
 
@@ -203,95 +190,79 @@ fn saturated(x: f64, nodes: &[f64]) -> [f64; 3] {
     ]
 }
 
-/// Value with its first and second derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Dual {
     value: f64,
-    gradient: [f64; COORDINATES],
-    /// Symmetric.
-    hessian: [[f64; COORDINATES]; COORDINATES],
+    gradient: Vector4<f64>,
+    hessian: Matrix4<f64>,
 }
 
 impl Dual {
+    fn constant(value: f64) -> Dual {
+        Dual {
+            value,
+            ..Dual::default()
+        }
+    }
+
     /// A function of this number from its value `f`, slope `d` and second derivative `dd` there.
-    #[inline(always)]
     fn chain(&self, f: f64, d: f64, dd: f64) -> Dual {
         let g = &self.gradient;
         Dual {
             value: f,
-            gradient: from_fn(|i| d * g[i]),
-            hessian: from_fn(|i| from_fn(|j| d * self.hessian[i][j] + dd * g[i] * g[j])),
+            gradient: g * d,
+            hessian: self.hessian * d + g * dd * g.transpose(),
         }
     }
 
-    /// This number times `b`.
-    #[inline(always)]
     fn times(&self, b: &Dual) -> Dual {
         let (g, h) = (&self.gradient, &b.gradient);
-        let second = |i: usize, j: usize| {
-            let own = self.hessian[i][j] * b.value + g[i] * h[j] + g[j] * h[i];
-            own + self.value * b.hessian[i][j]
-        };
+        let mixed = self.hessian * b.value + g * h.transpose() + h * g.transpose();
         Dual {
             value: self.value * b.value,
-            gradient: from_fn(|i| g[i] * b.value + self.value * h[i]),
-            hessian: from_fn(|i| from_fn(|j| second(i, j))),
+            gradient: g * b.value + h * self.value,
+            hessian: mixed + b.hessian * self.value,
         }
     }
 
     /// Of a quadratic with this value and these derivatives by ways in units of their own, at `way`, by the coordinates, of which
     /// `scale` makes one such unit.
-    #[inline(always)]
-    fn moved(&self, way: &[f64; COORDINATES], scale: &[f64; COORDINATES]) -> Dual {
-        let mut out = Dual {
-            value: self.value,
-            ..Dual::default()
-        };
-        for i in 0..COORDINATES {
-            let bend: f64 = (0..COORDINATES).map(|j| self.hessian[i][j] * way[j]).sum();
-            out.value += way[i] * (self.gradient[i] + 0.5 * bend);
-            out.gradient[i] = (self.gradient[i] + bend) * scale[i];
-            out.hessian[i] = from_fn(|j| self.hessian[i][j] * scale[i] * scale[j]);
+    fn moved(&self, way: &Vector4<f64>, scale: &Vector4<f64>) -> Dual {
+        let bend = self.hessian * way;
+        let slopes = self.gradient + 0.5 * bend;
+        Dual {
+            value: (0..COORDINATES).fold(self.value, |sum, i| sum + way[i] * slopes[i]),
+            gradient: (self.gradient + bend).component_mul(scale),
+            hessian: Matrix4::from_fn(|i, j| self.hessian[(i, j)] * scale[i] * scale[j]),
         }
-        out
     }
 
     /// Derivatives by the coordinates from those by the coordinates that [`saturated`] keeps inside the range.
     fn through_stops(&self, stops: &[[f64; 3]; 3]) -> Dual {
-        let slope: [f64; COORDINATES] = from_fn(|i| stops.get(i).map_or(1.0, |s| s[1]));
-        let mut out = Dual {
+        let slope = Vector4::from_fn(|i, _| stops.get(i).map_or(1.0, |s| s[1]));
+        let bend = Vector4::from_fn(|i, _| stops.get(i).map_or(0.0, |s| self.gradient[i] * s[2]));
+        let hessian = self.hessian.component_mul(&(slope * slope.transpose()));
+        Dual {
             value: self.value,
-            gradient: from_fn(|i| self.gradient[i] * slope[i]),
-            hessian: from_fn(|i| from_fn(|j| self.hessian[i][j] * (slope[i] * slope[j]))),
-        };
-        for (i, [.., bend]) in stops.iter().enumerate() {
-            out.hessian[i][i] += self.gradient[i] * bend;
+            gradient: self.gradient.component_mul(&slope),
+            hessian: hessian + Matrix4::from_diagonal(&bend),
         }
-        out
     }
 }
 
 impl AddAssign for Dual {
-    #[inline(always)]
     fn add_assign(&mut self, b: Dual) {
         self.value += b.value;
-        for i in 0..COORDINATES {
-            self.gradient[i] += b.gradient[i];
-            for j in 0..COORDINATES {
-                self.hessian[i][j] += b.hessian[i][j];
-            }
-        }
+        self.gradient += b.gradient;
+        self.hessian += b.hessian;
     }
 }
 
-/// A node that reaches the point along one axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Near {
-    /// Index in the grid.
     index: usize,
     /// Way from the node, in its spacings.
     way: f64,
-    /// 1 / spacing.
     scale: f64,
 }
 
@@ -304,7 +275,6 @@ struct Line {
     scale: Vec<f64>,
     /// Nodes of the grid (a period of `nodes`).
     count: usize,
-    /// As far as any node reaches.
     reach: f64,
 }
 
@@ -331,7 +301,6 @@ impl Line {
         }
     }
 
-    /// Writes the nodes that reach `x`; returns them.
     #[inline]
     fn near<'a>(&self, x: f64, out: &'a mut [Near; MOST]) -> &'a [Near] {
         if self.count == 1 {
@@ -362,7 +331,6 @@ impl Line {
             return None;
         }
         let n = self.nodes.len();
-        // The middle period of a periodic axis.
         let i = if n == self.count { i } else { i + self.count };
         let first = i.clamp(1, n - 2) - 1;
         let t: [f64; 3] = from_fn(|k| (self.nodes[first + k] - self.nodes[i]) * self.scale[i]);
@@ -375,7 +343,6 @@ impl Line {
     }
 }
 
-/// A quantity on the nodes of a grid.
 #[derive(Debug, Clone)]
 struct Scatter {
     lines: [Line; COORDINATES],
@@ -392,21 +359,18 @@ impl Scatter {
         let quadratic = |at: usize| {
             let index: [usize; COORDINATES] = from_fn(|i| at / strides[i] % values.lengths[i]);
             let parabolas: [_; COORDINATES] = from_fn(|i| lines[i].parabola(index[i]));
-            let mut q = Dual {
-                value: v[at],
-                ..Dual::default()
-            };
+            let mut q = Dual::constant(v[at]);
             for (i, along) in parabolas.iter().enumerate() {
                 let base = at - index[i] * strides[i];
                 for (k, first, second) in along.iter().flatten() {
                     q.gradient[i] += first * v[base + k * strides[i]];
-                    q.hessian[i][i] += second * v[base + k * strides[i]];
+                    q.hessian[(i, i)] += second * v[base + k * strides[i]];
                     for (j, across) in parabolas.iter().enumerate().skip(i + 1) {
                         let base = base + k * strides[i] - index[j] * strides[j];
                         for (l, factor, _) in across.iter().flatten() {
-                            q.hessian[i][j] += first * factor * v[base + l * strides[j]];
+                            q.hessian[(i, j)] += first * factor * v[base + l * strides[j]];
                         }
-                        q.hessian[j][i] = q.hessian[i][j];
+                        q.hessian[(j, i)] = q.hessian[(i, j)];
                     }
                 }
             }
@@ -426,40 +390,32 @@ impl Scatter {
     fn at(&self, x: [f64; COORDINATES]) -> Dual {
         let mut near = [[Near::default(); MOST]; COORDINATES];
         let [c, m, u, p] = &mut near;
-        let [of_c, of_m, of_u, of_p] = &self.lines;
+        let [along_c, along_m, along_u, along_p] = &self.lines;
         let axes = [
-            of_c.near(x[0], c),
-            of_m.near(x[1], m),
-            of_u.near(x[2], u),
-            of_p.near(x[3], p),
+            along_c.near(x[0], c),
+            along_m.near(x[1], m),
+            along_u.near(x[2], u),
+            along_p.near(x[3], p),
         ];
         // Distances add up axis by axis, so the nearest node is the nearest along each.
         let nearest = axes.map(|near| {
-            let nearest = near
-                .iter()
-                .min_by(|a, b| a.way.abs().total_cmp(&b.way.abs()));
-            nearest.copied().unwrap_or_default()
+            let ways = near.iter().copied();
+            let nearest = ways.min_by(|a, b| a.way.abs().total_cmp(&b.way.abs()));
+            nearest.unwrap_or_default()
         });
         let (mut weights, mut sum) = (Dual::default(), Dual::default());
-        let within = |square: &f64| *square < REACH * REACH;
         for &a in axes[0] {
-            let to_a = a.way * a.way;
             for &b in axes[1] {
-                let Some(to_b) = Some(to_a + b.way * b.way).filter(within) else {
-                    continue;
-                };
                 for &c in axes[2] {
-                    let Some(to_c) = Some(to_b + c.way * c.way).filter(within) else {
-                        continue;
-                    };
                     for &d in axes[3] {
-                        if !within(&(to_c + d.way * d.way)) || [a, b, c, d] == nearest {
-                            continue;
+                        let node = [a, b, c, d];
+                        let square: f64 = node.iter().map(|n| n.way * n.way).sum();
+                        if square < REACH * REACH && node != nearest {
+                            let (square, q) = self.node(node);
+                            let weight = weight(&square);
+                            weights += weight;
+                            sum += weight.times(&q);
                         }
-                        let (square, q) = self.node([a, b, c, d]);
-                        let weight = weight(&square);
-                        weights += weight;
-                        sum += weight.times(&q);
                     }
                 }
             }
@@ -474,47 +430,37 @@ impl Scatter {
     }
 
     /// Square of the distance from a node, in its spacings, and its quadratic at the point.
-    #[inline(always)]
     fn node(&self, axes: [Near; COORDINATES]) -> (Dual, Dual) {
-        let (way, scale) = (axes.map(|n| n.way), axes.map(|n| n.scale));
-        let mut square = Dual::default();
-        for i in 0..COORDINATES {
-            square.value += way[i] * way[i];
-            square.gradient[i] = 2.0 * way[i] * scale[i];
-            square.hessian[i][i] = 2.0 * scale[i] * scale[i];
-        }
-        let at: usize = (axes.iter().zip(self.strides))
-            .map(|(n, stride)| n.index * stride)
-            .sum();
+        let [way, scale] = [axes.map(|n| n.way), axes.map(|n| n.scale)].map(Vector4::from);
+        let square = Dual {
+            value: way.iter().map(|way| way * way).sum(),
+            gradient: 2.0 * way.component_mul(&scale),
+            hessian: Matrix4::from_diagonal(&(2.0 * scale.component_mul(&scale))),
+        };
+        let indices = axes.iter().zip(self.strides);
+        let at: usize = indices.map(|(n, stride)| n.index * stride).sum();
         (square, self.quadratics[at].moved(&way, &scale))
     }
 }
 
 /// (1/d - 1/R)³ of the square of d > 0.
-#[inline(always)]
 fn weight(square: &Dual) -> Dual {
     let per = 1.0 / square.value.sqrt();
     let x = per - 1.0 / REACH;
-    // Derivatives of x by the square.
     let (d, dd) = (-0.5 * per.powi(3), 0.75 * per.powi(5));
-    square.chain(
-        x * x * x,
-        3.0 * x * x * d,
-        6.0 * x * d * d + 3.0 * x * x * dd,
-    )
+    let bend = 6.0 * x * d * d + 3.0 * x * x * dd;
+    square.chain(x * x * x, 3.0 * x * x * d, bend)
 }
 
 /// 1 / (1/d - 1/R)³ of the square of d < R.
-#[inline(always)]
 fn inverse_weight(square: &Dual) -> Dual {
     let d = square.value.sqrt();
     let r = 1.0 / (1.0 - d / REACH);
     let r4 = r * r * r * r;
     // The second derivative by the square is infinite at the node itself, and its share of any nought.
-    let dd = if d > 0.0 {
-        (3.0 * r - 2.25) * r4 / d
-    } else {
-        0.0
+    let dd = match d > 0.0 {
+        true => (3.0 * r - 2.25) * r4 / d,
+        false => 0.0,
     };
     square.chain((r * d).powi(3), 1.5 * r4 * d, dd)
 }

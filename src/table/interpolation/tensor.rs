@@ -1,22 +1,21 @@
 //! Tensor-product interpolants, linear and C2, of any number of dimensions: one potential each.
 //!
-//! The force over the scaled displacement u is a B-spline whose coefficients vanish before u = 0 and
-//! never decrease over u: it is exactly zero out of contact, as smooth at the onset as elsewhere, and
-//! monotone for any (C, M, PMC), since the functions of those are non-negative and add up to one. Its
-//! integral over u is again a B-spline, one degree higher; only that one is stored, and force, shuttling
-//! and the other gradients are its derivatives.
+//! The force over the scaled displacement u is a B-spline whose coefficients vanish before u = 0 and never decrease over u: it is
+//! exactly zero out of contact, as smooth at the onset as elsewhere, and monotone for any (C, M, PMC), since the functions of
+//! those are non-negative and add up to one. Its integral over u is a B-spline one degree higher; only that one is stored, and
+//! force, shuttling and the other gradients are its derivatives.
 //!
 //! Beyond an end of C or M every coefficient goes on with its slope there and levels out at twice the guard distance
-//! ([`Basis::guard`]), so that the force has a continuous slope and its stiffness, far out, a constant value. A
-//! guard is as long as nothing loses its meaning on the way: the span keeps at least half of its least value,
-//! and no force decreases over the displacement.
+//! ([`Basis::guard`]): the force has a continuous slope and its stiffness, far out, a constant value. A guard is as long as the span
+//! keeps at least half of its least value and no force decreases over the displacement.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, Fit, axis, breaks, integrated, make_increasing};
+use super::fit::{Block, Others, axis, breaks, integrated, make_increasing};
 use super::frame::{Frame, Framed};
 use super::kernel::{ANY, Coefficients, Shape};
 use crate::root::bisection;
-use crate::table::{Axes, Axis, FlankGrid, Potential, Query, TableError};
+use crate::table::error::refused;
+use crate::table::{Axis, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;
 
 /// `NU` functions at one displacement, `N` at one point of each other coordinate: spline 5 and 4, linear 3 and 2. A
@@ -25,7 +24,6 @@ use crate::vector::Lanes;
 pub struct Tensor<const NU: usize, const N: usize> {
     u: Basis<NU>,
     pub frame: Frame<N>,
-    /// w over (c, m, u, mesh position).
     shape: Coefficients<N>,
     /// Integral over u of the moment, likewise, where it is not dW/dM.
     moment: Option<Coefficients<N>>,
@@ -35,37 +33,6 @@ pub struct Tensor<const NU: usize, const N: usize> {
     top: f64,
 }
 
-/// The coordinates but the displacement: bases of centre distance, misalignment and mesh position, and fits of values at
-/// their nodes.
-struct Others<const N: usize> {
-    bases: [Basis<N>; 3],
-    fits: [Fit; 3],
-}
-
-impl<const N: usize> Others<N> {
-    fn new(axes: &Axes) -> Result<Self, TableError> {
-        let (c_nodes, m_nodes) = (&axes.center_distance_offset, &axes.misalignment);
-        let (c, along_c) = axis(c_nodes, Ends::Bounded, Axis::CenterDistance.name())?;
-        let (m, along_m) = axis(m_nodes, Ends::Bounded, Axis::Misalignment.name())?;
-        let p_name = Axis::MeshPosition.name();
-        let (p, along_p) = axis(&axes.mesh_position, Ends::Periodic, p_name)?;
-        Ok(Others {
-            bases: [c, m, p],
-            fits: [along_c, along_m, along_p],
-        })
-    }
-
-    /// Coefficients for the values of `block`; `displacement`: along the displacement, too.
-    fn fit(&self, block: &Block, displacement: Option<&Fit>) -> Block {
-        let [c, m, p] = &self.fits;
-        let mut fitted = m.along(1, &c.along(0, block));
-        if let Some(u) = displacement {
-            fitted = u.along(2, &fitted);
-        }
-        p.along(3, &fitted)
-    }
-}
-
 /// B-spline coefficients of what a [`Tensor`] is made of, over (c, m, u, mesh position).
 struct Parts<'a> {
     u_breaks: &'a [f64],
@@ -73,7 +40,6 @@ struct Parts<'a> {
     moment: Option<Block>,
     no_load: Block,
     span: Block,
-    /// See [`Tensor::top`].
     top: f64,
 }
 
@@ -84,7 +50,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         let degree = NF - 1;
         let nodes = &grid.axes.displacement_fraction;
         let (_, along_u) = axis::<NF>(nodes, Ends::Onset, Axis::Displacement.name())?;
-        let others = Others::<N>::new(&grid.axes)?;
+        let others = Others::<N>::of(&grid.axes)?;
         let along_all = |samples: &[f64]| others.fit(&grid.block(samples), Some(&along_u));
         let force = along_all(&grid.loa_force);
         let least = least_increments(&force, degree);
@@ -131,15 +97,13 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         })
     }
 
-    /// Memory of the coefficients.
     pub fn bytes(&self) -> usize {
         let moment = self.moment.as_ref().map_or(0, Coefficients::bytes);
         self.shape.bytes() + self.frame.bytes() + moment
     }
 
-    /// See [`FlankTable::evaluate`](super::FlankTable::evaluate). Values are compiled for the displacement alone, and for the axes
-    /// that there are with the registers that nearly every processor has and a mesh position; all else shares one evaluation, since each more would
-    /// cost seconds of every build.
+    /// See [`FlankTable::evaluate`](super::FlankTable::evaluate). Values are compiled for the usual axes and registers; all else
+    /// shares one evaluation, since each more would cost seconds of every build.
     pub fn evaluate(&self, lanes: Lanes, q: &Query, want_hessian: bool) -> Potential {
         match self.frame.axes() {
             _ if want_hessian => self.compiled::<true, ANY>(lanes, q),
@@ -181,7 +145,6 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         out
     }
 
-    /// What `coefficients` have over the displacement.
     #[inline(always)]
     fn over<const H: bool, const AXES: usize>(
         &self,
@@ -196,73 +159,32 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
 
 impl<const N: usize> Tensor<3, N> {
     /// Constant load, see [`FlankTable::constant_load`](super::FlankTable::constant_load): W = F (delta - O)² / (2 (STE - O)),
-    /// that is S w(u) with u = (delta - O) / S, S = STE - O, w = F u² / 2.
+    /// that is S w(u) with u = (delta - O) / S, S = STE - O, w = F u² / 2. STE and lever at F are found at the nodes by inversion of
+    /// the spline over the displacement.
     pub fn constant_load(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
-        let at = AtForce::new(grid, loa_force)?;
-        let others = Others::<N>::new(&grid.axes)?;
-        let [no_load, span] = [at.origin, at.span].map(|field| others.fit(&field, None));
-        if span.values.iter().any(|&span| span <= 0.0) {
-            return Err(TableError::field(
-                "nominalTorque",
-                format!("{loa_force} N on the line of action"),
-                "STE at this load is not positive everywhere, so there is no secant stiffness",
-                "raise nominalTorque or set loadDependent = true",
-            ));
-        }
-        // A line from the onset on.
-        let moment = |lever: Block| {
-            let line = |lever: Vec<f64>| vec![0.0, loa_force * lever[0]];
-            others.fit(&lever, None).mapped(2, 2, line)
-        };
-        let parts = Parts {
-            u_breaks: &[0.0, 1.0],
-            force: span.mapped(2, 2, |_| vec![0.0, loa_force]),
-            moment: at.lever.map(moment),
-            no_load,
-            span,
-            top: f64::INFINITY,
-        };
-        Self::assembled(others.bases, parts)
-    }
-}
-
-/// What a [`Tensor`] of constant load is made of, at the nodes.
-struct AtForce {
-    /// O, m.
-    origin: Block,
-    /// STE - O, m.
-    span: Block,
-    /// z_c - z_ref, m.
-    lever: Option<Block>,
-}
-
-impl AtForce {
-    /// By inversion of the spline over u.
-    fn new(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
         let nodes = &grid.axes.displacement_fraction;
         let (basis, fit) = axis::<4>(nodes, Ends::Onset, Axis::Displacement.name())?;
-        let force = fit.along(2, &grid.block(&grid.loa_force));
-        let moment = grid.moment.as_ref();
-        let moment = moment.map(|moment| fit.along(2, &grid.block(moment)));
+        let along_u = |samples: &Vec<f64>| fit.along(2, &grid.block(samples));
+        let force = along_u(&grid.loa_force);
+        let moment = grid.moment.as_ref().map(along_u);
         let spline = |block: &Block, start: usize, u: f64| {
             let w = basis.inside(u);
-            let stride = block.stride(2);
-            (0..4)
-                .map(|k| w.value[k] * block.values[start + (w.first + k) * stride])
-                .sum::<f64>()
+            let coefficient = |k: usize| block.values[start + (w.first + k) * block.stride(2)];
+            (0..4).map(|k| w.value[k] * coefficient(k)).sum::<f64>()
         };
+        let field = "nominalTorque";
+        let value = format!("{loa_force} N on the line of action");
         let shifts = grid.touch_shift()?;
         let [mut origin, mut span] = grid.fields();
         let mut lever = moment.as_ref().map(|_| origin.clone());
         for (column, start) in force.lines(2).enumerate() {
             let top = spline(&force, start, 1.0);
             if !(loa_force > 0.0 && loa_force <= top * (1.0 + 1e-9)) {
-                return Err(TableError::field(
-                    "nominalTorque",
-                    format!("{loa_force} N on the line of action"),
-                    format!("the table holds forces above 0 up to {top} N"),
-                    "choose a torque in this range or make tables with a larger maximum_torque_nm",
-                ));
+                let reason = format!(
+                    "the table holds forces above 0 up to {top} N; choose a torque in this range or make tables with a larger \
+                     maximum_torque_nm"
+                );
+                return refused(field, value, reason);
             }
             let u = bisection([0.0, 1.0], 60, |u| spline(&force, start, u) < loa_force);
             let ste = origin.values[column] + u * span.values[column];
@@ -273,11 +195,23 @@ impl AtForce {
                 lever.values[column] = spline(moment, start, u) / loa_force;
             }
         }
-        Ok(AtForce {
-            origin,
+        let others = Others::<N>::of(&grid.axes)?;
+        let [no_load, span] = [origin, span].map(|field| others.fit(&field, None));
+        if span.values.iter().any(|&span| span <= 0.0) {
+            let reason = "STE at this load is not positive everywhere, so there is no secant stiffness; raise nominalTorque or set \
+                          loadDependent = true";
+            return refused(field, value, reason);
+        }
+        let line = |lever: Vec<f64>| vec![0.0, loa_force * lever[0]];
+        let parts = Parts {
+            u_breaks: &[0.0, 1.0],
+            force: span.mapped(2, 2, |_| vec![0.0, loa_force]),
+            moment: lever.map(|lever| others.fit(&lever, None).mapped(2, 2, line)),
+            no_load,
             span,
-            lever,
-        })
+            top: f64::INFINITY,
+        };
+        Self::assembled(others.bases, parts)
     }
 }
 

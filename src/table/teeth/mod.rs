@@ -22,14 +22,14 @@
 
 mod pairs;
 mod record;
-mod sliding;
 
 pub use record::{GearTeethRecord, TeethRecord};
 
 use super::interpolation::{Basis, Ends, axis};
 use super::runtime::flank_table;
 use super::{
-    COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, Potential, Query, TableError,
+    COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadAxes, LoadJet,
+    LoadSpline, Potential, Query, TableError,
 };
 use crate::friction::Sliding;
 use crate::gear::teeth::{Counts, Passing};
@@ -37,7 +37,6 @@ use crate::gear::{Flank, PairGeometry};
 use crate::vector::Lanes;
 use nalgebra::SMatrix;
 use pairs::{MOST, Pair, Pairs, Taken};
-use sliding::ContactLines;
 use std::sync::Arc;
 
 /// Steps at most; nearly all points take three or four.
@@ -72,7 +71,7 @@ impl TeethFlank {
         effects: &Effects,
     ) -> Result<Self, TableError> {
         Ok(TeethFlank {
-            pairs: Arc::new(PairTable::new(record, geometry, flank, effects)?),
+            pairs: Arc::new(PairTable::new(record, flank, effects)?),
             passing: Passing::new(geometry, &record.teeth(), flank),
         })
     }
@@ -149,15 +148,9 @@ impl TeethFlank {
             passing.map_or(0.0, |passing| passing.closing_curvature(counts, tau))
         };
         pairs.total(&mut sum, want_hessian.then(curvature));
-        let sliding = self
-            .pairs
-            .lines
-            .as_ref()
-            .map_or(Sliding::default(), |lines| {
-                let loads = pairs.all().iter().map(|pair| (pair.free[3], pair.found));
-                lines.sliding(loads, query.center_distance_offset)
-            });
-        (sum, sliding)
+        let sliding = self.pairs.sliding.as_ref();
+        let sliding = sliding.map(|table| self.pairs.slide(table, &pairs, sum.gradient[0]));
+        (sum, sliding.unwrap_or_default())
     }
 }
 
@@ -171,31 +164,31 @@ struct PairTable {
     coupling: Coupling,
     /// Step that is the last, m.
     last_step: f64,
-    /// `None`: friction is off.
-    lines: Option<ContactLines>,
+    /// How the load of one slides, over its displacement in place of a force; `None`: friction is off.
+    sliding: Option<LoadSpline>,
 }
 
 impl PairTable {
-    fn new(
-        record: &TeethRecord,
-        geometry: &PairGeometry,
-        flank: Flank,
-        effects: &Effects,
-    ) -> Result<Self, TableError> {
-        let lines = match record.friction {
-            _ if !effects.friction => None,
-            None => return Err(TableError::NO_FRICTION_LAW),
-            Some(law) => {
-                let has_moment = effects.misalignment || effects.shuttling;
-                Some(ContactLines::new(geometry, &law, flank, has_moment))
-            }
-        };
+    fn new(record: &TeethRecord, flank: Flank, effects: &Effects) -> Result<Self, TableError> {
         let effects = Effects {
             interpolation: Interpolation::Spline,
             load: Load::Variable,
             ..*effects
         };
         let grid = record.grid(flank);
+        let sliding = match (&grid.sliding, record.friction) {
+            _ if !effects.friction => None,
+            (None, _) | (_, None) => return Err(TableError::NO_FRICTION),
+            (Some(samples), Some(_)) => {
+                let axes = LoadAxes {
+                    center_distance_offset_m: grid.axes.center_distance_offset.clone(),
+                    misalignment_rad: grid.axes.misalignment.clone(),
+                    loa_force_n: grid.axes.displacement_fraction.clone(),
+                    mesh_position: grid.axes.mesh_position.clone(),
+                };
+                Some(LoadSpline::new(&axes, samples, effects.axes())?)
+            }
+        };
         let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);
         let span = spans
             .map(|(top, low)| top - low)
@@ -212,20 +205,45 @@ impl PairTable {
             places,
             coupling,
             last_step: LAST_STEP * span,
-            lines,
+            sliding,
         })
     }
 
-    /// W1 at `at` (approach, centre distance offset, misalignment, place) with its Hessian, slopes by the place.
-    fn alone(&self, at: &[f64; COORDINATES]) -> Potential {
+    /// Where the table is looked up at `at` (approach, centre distance offset, misalignment, place).
+    fn query(&self, at: &[f64; COORDINATES]) -> Query {
         let [first, length] = self.places;
-        let query = Query {
+        Query {
             delta: at[0],
             center_distance_offset: at[1],
             misalignment: at[2],
             mesh_position: (at[3] - first) / length,
-        };
-        let mut w = self.pair.evaluate(&query, true);
+        }
+    }
+
+    /// How the loads of `pairs` slide in `table`, which add up to `force` (N).
+    fn slide(&self, table: &LoadSpline, pairs: &Pairs, force: f64) -> Sliding {
+        let mut sum = [0.0; 4];
+        for pair in pairs.all() {
+            let q = self.query(&pair.at);
+            let (c, m) = (q.center_distance_offset, q.misalignment);
+            let jets = table.evaluate([self.pair.fraction(&q), c, m, q.mesh_position]);
+            for (sum, LoadJet { value, .. }) in sum.iter_mut().zip::<[_; 4]>(jets) {
+                *sum += value * pair.found.gradient[0] / force;
+            }
+        }
+        let [share, share_z, distance, weight] = sum;
+        Sliding {
+            weight,
+            share,
+            share_z,
+            distance,
+        }
+    }
+
+    /// W1 at `at` (approach, centre distance offset, misalignment, place) with its Hessian, slopes by the place.
+    fn alone(&self, at: &[f64; COORDINATES]) -> Potential {
+        let [_, length] = self.places;
+        let mut w = self.pair.evaluate(&self.query(at), true);
         w.gradient[3] /= length;
         for i in 0..COORDINATES {
             w.hessian[i][3] /= length;

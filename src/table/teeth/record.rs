@@ -3,8 +3,10 @@
 use super::pairs::MOST;
 use crate::friction::FrictionLaw;
 use crate::gear::{Flank, PairGeometry, PairTeeth, Runout, ToothErrors};
+use crate::table::error;
 use crate::table::{Axes, FlankGrid, InterpolationError, TableError};
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 
 /// Largest gain that is taken: at 1 loads are no longer distinct.
 const LARGEST_GAIN: f64 = 0.95;
@@ -36,7 +38,7 @@ pub struct TeethRecord {
     pub drive_errors: [GearTeethRecord; 2],
     /// How their coast flanks do.
     pub coast_errors: [GearTeethRecord; 2],
-    /// Law of friction; `None` in tables of earlier versions.
+    /// Law of friction, which weights the sliding in the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionLaw>,
     /// Error against contact at run time, interpolation included.
@@ -67,14 +69,9 @@ impl From<&ToothErrors> for GearTeethRecord {
 }
 
 /// A refusal of the field teeth.`field`.
-fn refused<T>(
-    field: &str,
-    value: impl ToString,
-    reason: impl Into<String>,
-) -> Result<T, TableError> {
-    let remedy = "make the tables again with `gearmesh tables --teeth`";
-    let field = format!("teeth.{field}");
-    Err(TableError::field(field, value, reason, remedy))
+fn refused<T>(field: &str, value: impl ToString, reason: impl Display) -> Result<T, TableError> {
+    let reason = format!("{reason}; make the tables again with `gearmesh tables --teeth`");
+    error::refused(format!("teeth.{field}"), value, reason)
 }
 
 impl GearTeethRecord {
@@ -136,12 +133,12 @@ impl TeethRecord {
                     (_, Some(tooth)) => ("compliance_factor", tooth),
                     _ => continue,
                 };
-                return Err(TableError::field(
+                return error::refused(
                     format!("gear{}.tooth_errors.teeth: {field}", i + 1),
                     format!("tooth {tooth}"),
-                    "stiffnessModel = teeth takes index errors and run-out alone",
-                    "build without --teeth, with --contact, and set stiffnessModel = contact, which takes it",
-                ));
+                    "stiffnessModel = teeth takes index errors and run-out alone; build without --teeth, with --contact, and set \
+                     stiffnessModel = contact, which takes it",
+                );
             }
         }
         Ok(())
@@ -201,23 +198,20 @@ impl TeethRecord {
 
     /// Refuses a coupling on `flank` that is too large: of loads that cancel, the others must take less than a tooth pair gives way.
     /// `gain`: the largest ratio of the two.
-    ///
-    /// # Errors
-    /// It is.
     pub(super) fn check_gain(&self, flank: Flank, gain: f64) -> Result<(), TableError> {
         if gain <= LARGEST_GAIN {
             return Ok(());
         }
         let (name, rows) = self.named_coupling(flank);
         let largest = rows.iter().flatten().fold(0.0, |l: f64, c| l.max(*c));
-        Err(TableError::field(
+        error::refused(
             format!("teeth.{name}"),
             format!("{largest:.3e}"),
             format!(
-                "other tooth pairs would take {gain:.2} times what one gives way, and only below {LARGEST_GAIN} are loads distinct"
+                "other tooth pairs would take {gain:.2} times what one gives way, and only below {LARGEST_GAIN} are loads \
+                 distinct; for this pair build without --teeth, with --contact, and set stiffnessModel = contact"
             ),
-            "for this pair build without --teeth, with --contact, and set stiffnessModel = contact",
-        ))
+        )
     }
 
     /// Samples of `flank`; the coast flank without its own: those of the drive flank.

@@ -2,7 +2,7 @@
 
 use super::PAIRS;
 use crate::data::{Data, largest, rms};
-use crate::setup::Setup;
+use crate::setup::{Setup, shipped};
 use crate::timing::timed;
 use crate::{Context, Result};
 use gearmesh::contact::Warm;
@@ -17,8 +17,8 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let (pairs, points) = if context.quick { (1, 20) } else { (4, 200) };
     let mut rows = vec![];
     for name in &PAIRS[..pairs] {
-        let (setup, file) = Setup::packed(name)?;
-        let file = Arc::new(file);
+        let setup = Setup::from_pair(shipped(name)?)?;
+        let file = Arc::new(setup.contact_file()?);
         let contact = file.flank(Flank::Drive).ok_or("no drive flank")?;
         let operating = &setup.pair.operating;
         let mut random = Random::new(1);

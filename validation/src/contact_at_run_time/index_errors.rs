@@ -1,18 +1,32 @@
 //! Orders of the transmission error of a pair whose teeth differ, by contact at run time.
 
-use super::{CLASS, PAIR, SEED, level, record, with_errors};
 use crate::data::Data;
-use crate::setup::{Setup, query};
+use crate::setup::{Setup, query, shipped};
 use crate::{Context, Result};
-use gearmesh::contact::Warm;
+use gearmesh::contact::{ContactFile, Warm};
 use gearmesh::gear::tolerance::{random_index_errors, total_pitch};
-use gearmesh::gear::{Flank, Runout, ToothErrors, WeakTooth};
+use gearmesh::gear::{Flank, PairTeeth, Runout, ToothErrors, WeakTooth};
+use gearmesh::table::{Effects, Interpolation, Load, TeethFlank};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+/// The pair, and the flank tolerance class of ISO 1328-1 and seed of gear 1's index errors.
+const PAIR: &str = "palermo2013";
+const CLASS: u8 = 6;
+const SEED: u32 = 1;
 /// Mesh positions of a cycle.
 const STEPS: usize = 32;
+
+/// The contact of `file` with the errors `first` of gear 1's teeth on the drive flank.
+fn with_errors(file: &ContactFile, first: ToothErrors) -> ContactFile {
+    let mut file = file.clone();
+    Arc::make_mut(&mut file.setup).teeth = PairTeeth {
+        drive: [first, ToothErrors::default()],
+        ..PairTeeth::default()
+    };
+    file
+}
 
 /// Static transmission error (m) under the force `force` (N) over a turn of gear 1, `teeth` mesh cycles. `loads` gives force and
 /// stiffness (N, N/m) at the approach (m), the mesh position and the mesh cycle.
@@ -72,7 +86,8 @@ fn over_a_turn(signal: &[f64]) -> Vec<Point> {
 }
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
-    let (setup, file) = Setup::packed(PAIR)?;
+    let setup = Setup::from_pair(shipped(PAIR)?)?;
+    let file = setup.contact_file()?;
     let gear = &setup.pair.geometry.gears[0];
     let (z, force) = (gear.teeth as usize, setup.nominal_force());
     let index = random_index_errors(gear, CLASS, SEED);
@@ -96,7 +111,22 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     }
 
     let points = if context.quick { 20 } else { 1000 };
-    let level = level(&record(&setup, &file, index.clone(), points)?, &setup.pair)?;
+    let errors = ToothErrors {
+        index: index.clone(),
+        ..ToothErrors::default()
+    };
+    let record = setup.teeth_record(&with_errors(&file, errors), points)?;
+    let effects = Effects {
+        interpolation: Interpolation::Spline,
+        load: Load::Variable,
+        center_distance: true,
+        misalignment: true,
+        shuttling: true,
+        friction: false,
+        root_stress: false,
+        teeth: true,
+    };
+    let level = TeethFlank::new(&record, &setup.pair.geometry, Flank::Drive, &effects)?;
     let loads = |approach, tau, cycle| {
         let found = level.evaluate(&query(approach, tau), [cycle; 2], true);
         Ok([found.gradient[0], found.hessian[0][0]])

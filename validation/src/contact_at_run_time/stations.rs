@@ -3,7 +3,7 @@
 
 use super::PAIRS;
 use crate::data::{Data, largest, rms};
-use crate::setup::{Models, Setup, shipped_at, solver};
+use crate::setup::{Setup, models, shipped_at, solver};
 use crate::{Context, Result};
 use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
@@ -27,7 +27,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in &PAIRS[..pairs] {
         let pair = shipped_at(name, Refinement::Coarse)?;
-        let models = Models::default().get(&pair, &Settings::for_pair(&pair))?;
+        let models = models(&pair, &Settings::for_pair(&pair))?;
         let mut solvers = vec![];
         for (stations, own_share) in CASES {
             let mut contact = ContactSettings::for_pair(&pair);

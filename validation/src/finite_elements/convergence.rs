@@ -2,8 +2,7 @@
 
 use super::{paper, thick_spur};
 use crate::data::{Data, percent};
-use crate::setup::{solver, ste};
-use crate::timing::timed;
+use crate::setup::{models, solver, ste};
 use crate::{Context, Result};
 use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::contact::{ContactSettings, ContactSolver};
@@ -22,7 +21,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     ];
     for (part, pair) in pairs.iter().take(if context.quick { 1 } else { 3 }) {
         eprintln!("    {part}");
-        one_pair(context, data, part, pair)?;
+        one_pair(context.quick, data, part, pair)?;
     }
     Ok(())
 }
@@ -70,40 +69,33 @@ fn variants(quick: bool) -> Vec<(&'static str, Discretization, usize)> {
 }
 
 /// The table of a pair.
-fn one_pair(context: &Context, data: &Data, part: &str, pair: &Pair) -> Result<()> {
+fn one_pair(quick: bool, data: &Data, part: &str, pair: &Pair) -> Result<()> {
     let default = Settings::for_pair(pair);
     let contact = |stations| ContactSettings {
         stations,
         ..ContactSettings::default()
     };
     let mut found = vec![];
-    for (name, discretization, n) in variants(context.quick) {
+    for (name, discretization, n) in variants(quick) {
         let settings = Settings {
             discretization,
             ..default
         };
-        let (models, seconds) = timed(|| context.models.get(pair, &settings));
-        let solver = solver(pair, &models?, contact(n))?;
-        found.push((name, ste(&solver, TORQUE, 32)?, seconds));
+        let solver = solver(pair, &models(pair, &settings)?, contact(n))?;
+        found.push((name, ste(&solver, TORQUE, 32)?));
     }
-    let alone = context.models.get(pair, &default)?.gears;
+    let alone = models(pair, &default)?.gears;
     let alone = alone.map(|gear| Arc::new(SingleTeeth(gear)) as Arc<dyn ToothCompliance>);
     let alone = ContactSolver::new(pair, alone, contact(40))?;
-    found.push(("neighbours ignored", ste(&alone, TORQUE, 32)?, 0.0));
+    found.push(("neighbours ignored", ste(&alone, TORQUE, 32)?));
 
     let finest = found[0].1;
-    let row = |(name, [mean, swing], seconds): &(&str, [f64; 2], f64)| {
+    let row = |(name, [mean, swing]): &(&str, [f64; 2])| {
         let (of_mean, of_swing) = (percent(*mean, finest[0]), percent(*swing, finest[1]));
-        let row = format!("{name} | {mean:.4} | {swing:.4} | {of_mean:+.2} | {of_swing:+.2} |");
-        // Where it is new.
-        if *seconds > 0.05 {
-            format!("{row} {seconds:.1}")
-        } else {
-            row
-        }
+        format!("{name} | {mean:.4} | {swing:.4} | {of_mean:+.2} | {of_swing:+.2}")
     };
     let rows: Vec<_> = found.iter().map(row).collect();
-    let head = "setting | mean µm | p-p µm | mean % | p-p % | compliance s, where it is new";
+    let head = "setting | mean µm | p-p µm | mean % | p-p %";
     data.table(part, head, &rows)
 }
 

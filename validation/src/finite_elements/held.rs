@@ -4,7 +4,6 @@ use super::paper;
 use crate::data::{Data, last_that_holds};
 use crate::setup::{Setup, ste};
 use crate::{Context, Result};
-use gearmesh::contact::ContactSettings;
 use gearmesh::pair::{Pair, Refinement};
 
 const TORQUE: f64 = 100.0;
@@ -21,12 +20,10 @@ struct Solved {
     unloaded: f64,
 }
 
-/// Not remembered: no other chapter needs these bores.
 fn solved(modified: bool, bore_mm: f64, refinement: Refinement) -> Result<Solved> {
     let pair = paper(modified, bore_mm)?;
     let pair = Pair { refinement, ..pair };
-    let contact = ContactSettings::for_pair(&pair);
-    let solver = Setup::new(pair, contact)?.solver;
+    let solver = Setup::from_pair(pair)?.solver;
     let [mean, swing] = ste(&solver, TORQUE, POSITIONS)?;
     let [unloaded, _] = ste(&solver, 0.0, POSITIONS)?;
     Ok(Solved {

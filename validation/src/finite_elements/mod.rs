@@ -4,23 +4,21 @@ mod convergence;
 pub mod cost;
 mod held;
 mod plane;
-mod properties;
 mod reference;
 
 use crate::data::{Data, percent};
-use crate::setup::{SHIPPED, shipped, ste};
+use crate::setup::{SHIPPED, Setup, shipped, shipped_at, ste};
 use crate::{Chapter, Context, Result, timing};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 use serde_json::json;
 
-pub const CHAPTERS: [(&str, Chapter); 8] = [
+pub const CHAPTERS: [(&str, Chapter); 7] = [
     ("machine", |_, data| timing::machine(data)),
     ("plane-strain", plane::report),
     ("reference", reference::report),
     ("convergence", convergence::report),
     ("held", held::report),
-    ("properties", properties::report),
     ("levels", levels),
     ("cost", cost::report),
 ];
@@ -92,23 +90,19 @@ fn thick_spur() -> Result<Pair> {
 }
 
 /// The levels of detail of the shipped pairs side by side.
-fn levels(context: &Context, data: &Data) -> Result<()> {
+fn levels(_: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in SHIPPED {
         eprintln!("    {name}");
         let normal = shipped(name)?;
-        let coarse = Pair {
-            refinement: Refinement::Coarse,
-            ..normal.clone()
-        };
-        let solvers = [
-            context.models.solver(&normal)?,
-            context.models.solver(&coarse)?,
-        ];
+        let coarse = shipped_at(name, Refinement::Coarse)?;
+        let [normal_solver, coarse_solver] =
+            [Setup::from_pair(normal.clone())?, Setup::from_pair(coarse)?].map(|s| s.solver);
         let operating = &normal.operating;
         let nominal = operating.nominal_torque;
         for torque in [0.4 * nominal, nominal, operating.maximum_torque] {
-            let [n, c] = [ste(&solvers[0], torque, 32)?, ste(&solvers[1], torque, 32)?];
+            let n = ste(&normal_solver, torque, 32)?;
+            let c = ste(&coarse_solver, torque, 32)?;
             let [mean, swing] = [0, 1].map(|i| percent(c[i], n[i]));
             let found = format!("{:.3} | {:.3} | {mean:+.2} | {swing:+.2}", n[0], n[1]);
             rows.push(format!("{name} | {torque:.0} | {found}"));

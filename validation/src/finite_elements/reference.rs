@@ -1,7 +1,7 @@
 //! Whole contact against scripts/contact_reference.py: relief, crowning, misalignment, centre distance, helix, wide faces.
 
 use crate::data::{Data, largest, mean, percent, range};
-use crate::setup::solver;
+use crate::setup::{models, solver};
 use crate::{Context, Result, in_repository};
 use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
@@ -74,7 +74,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for (name, case) in reference.cases.iter().take(count) {
         eprintln!("    {name}: {}", case.title);
-        for ([torque, misalignment], c) in case.loads.iter().zip(compare(context, case)?) {
+        for ([torque, misalignment], c) in case.loads.iter().zip(compare(case)?) {
             let column = |i: usize| c.ste.iter().map(move |both| both[i]);
             let [here, there] = [0, 1].map(|i| mean(column(i)));
             let [swing, swing_there] = [0, 1]
@@ -120,7 +120,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
 }
 
 /// Every load of a case.
-fn compare(context: &Context, case: &Case) -> Result<Vec<Compared>> {
+fn compare(case: &Case) -> Result<Vec<Compared>> {
     let pair = pair::from_json(&case.pair.to_string())?;
     let settings = Settings {
         plane_strain: case.plane_strain,
@@ -130,7 +130,7 @@ fn compare(context: &Context, case: &Case) -> Result<Vec<Compared>> {
     if case.plane_strain {
         contact.stations = 1;
     }
-    let solver = solver(&pair, &context.models.get(&pair, &settings)?, contact)?;
+    let solver = solver(&pair, &models(&pair, &settings)?, contact)?;
     let mut all = vec![Compared::default(); case.loads.len()];
     for at in &case.positions {
         let problem = solver.position(

@@ -119,31 +119,35 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let [linear, spline, shepard] = of_grid[..] else {
         return Err("a grid of the table of ratios was refused".into());
     };
-    let ([value, gradient], [of_value, of_gradient]) = (spline.time, linear.time);
-    let errors = [spline, shepard].map(|o| o.error.rms);
     let rows = [
-        format!(
-            "spline over linear kernel, 4-D with gradient | {:.2}",
-            gradient / of_gradient
+        (
+            "spline over linear kernel, 4-D with gradient",
+            2,
+            spline.time[1] / linear.time[1],
         ),
-        format!(
-            "spline over linear kernel, 4-D value | {:.2}",
-            value / of_value
+        (
+            "spline over linear kernel, 4-D value",
+            2,
+            spline.time[0] / linear.time[0],
         ),
-        format!(
-            "rms error, spline over linear, same 4-D grid | {:.3}",
-            errors[0] / linear.error.rms
+        (
+            "rms error, spline over linear, same 4-D grid",
+            3,
+            spline.error.rms / linear.error.rms,
         ),
-        format!(
-            "shepard over spline kernel, 4-D with gradient | {:.1}",
-            shepard.time[1] / gradient
+        (
+            "shepard over spline kernel, 4-D with gradient",
+            1,
+            shepard.time[1] / spline.time[1],
         ),
-        format!(
-            "rms error, shepard over spline, same 4-D grid | {:.2}",
-            errors[1] / errors[0]
+        (
+            "rms error, shepard over spline, same 4-D grid",
+            2,
+            shepard.error.rms / spline.error.rms,
         ),
-        format!("spline kernel, 4-D value, ns | {value:.0}"),
-        format!("spline kernel, 4-D with gradient, ns | {gradient:.0}"),
-    ];
+        ("spline kernel, 4-D value, ns", 0, spline.time[0]),
+        ("spline kernel, 4-D with gradient, ns", 0, spline.time[1]),
+    ]
+    .map(|(name, digits, value)| format!("{name} | {value:.digits$}"));
     data.table("ratios", "quantity | measured", &rows)
 }

@@ -1,8 +1,7 @@
-//! Speed against accuracy: what tables, interpolants, effects, hosts and steps cost in time and in error.
+//! Speed against accuracy: what interpolants, instances, hosts, steps and levels cost in time and in error.
 
-mod effects;
-mod growth;
 mod hosts;
+mod instances;
 mod interpolants;
 mod levels;
 mod run_up;
@@ -14,11 +13,10 @@ use gearmesh::element::{LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::pair::Refinement;
 use gearmesh::table::{Axis, FlankGrid};
 
-pub const CHAPTERS: [(&str, Chapter); 7] = [
+pub const CHAPTERS: [(&str, Chapter); 6] = [
     ("machine", |_, data| timing::machine(data)),
     ("interpolants", interpolants::report),
-    ("effects", effects::report),
-    ("growth", growth::report),
+    ("instances", instances::report),
     ("cost-per-second", hosts::cost),
     ("run-up", run_up::report),
     ("levels", levels::report),

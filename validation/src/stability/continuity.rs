@@ -92,8 +92,8 @@ impl Subject {
 
     /// Force on gear 2 on `path`.
     fn force(&self, path: fn(&Self, f64) -> Inputs, x: f64) -> Result<Vector3<f64>> {
-        let latch = self.element.latch(&self.element.nominal_inputs())?;
-        Ok(self.element.evaluate(&latch, &path(self, x))?.force[1])
+        let phase = self.element.phase_offset(&self.element.nominal_inputs())?;
+        Ok(self.element.evaluate(&phase, &path(self, x))?.force[1])
     }
 
     /// How the force goes along each path.

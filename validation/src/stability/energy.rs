@@ -62,9 +62,11 @@ impl Case {
 
 /// All effects on, the load variable.
 fn choice(formulation: Formulation, interpolation: Interpolation) -> Parameters {
-    let mut parameters = Parameters::default();
-    (parameters.formulation, parameters.interpolation) = (formulation, interpolation);
-    parameters
+    Parameters {
+        formulation,
+        interpolation,
+        ..Parameters::default()
+    }
 }
 
 /// Work on a closed loop and the mean energy on it, J.
@@ -75,7 +77,7 @@ struct Loop {
 
 /// An ellipse in the freedoms `i`, `j` (0-11) with these half axes.
 fn ellipse(element: &Element, start: &Inputs, [i, j]: [usize; 2], size: [f64; 2]) -> Result<Loop> {
-    let latch = element.latch(&element.nominal_inputs())?;
+    let phase = element.phase_offset(&element.nominal_inputs())?;
     let points = 4000;
     let (mut work, mut energy) = (0.0, 0.0);
     for n in 0..points {
@@ -96,7 +98,7 @@ fn ellipse(element: &Element, start: &Inputs, [i, j]: [usize; 2], size: [f64; 2]
             let bracket = turn.cross(&turn_rate);
             m.w = turn_rate + bracket / 2.0 + turn.cross(&bracket) / 6.0;
         }
-        let out = element.evaluate(&latch, &inputs)?;
+        let out = element.evaluate(&phase, &inputs)?;
         for (body, m) in inputs.gears.iter().enumerate() {
             work += out.force[body].dot(&m.v) + out.moment[body].dot(&m.w);
         }
@@ -150,8 +152,8 @@ fn six_freedoms(pair: &PairGeometry, element: Element) -> Result<(Scene, State)>
 const STEP: f64 = 2.5e-7;
 
 /// Largest energy error over the initial kinetic energy of the oscillation along `steps` steps.
-fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f64> {
-    let (scene, mut y) = six_freedoms(pair, element)?;
+fn long_run(case: &Case, parameters: Parameters, steps: usize) -> Result<f64> {
+    let (scene, mut y) = six_freedoms(case.geometry(), case.element(parameters)?)?;
     let energy = |y: &State| -> Result<f64> { Ok(scene.energy(0.0, y)? - TORQUE * y[1].twist()) };
     let g = y[1];
     let turning = g.l.norm_squared() / TRANSVERSE_INERTIA;
@@ -181,11 +183,11 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     ];
     let mut constant_load = choice(Conjugate, Spline);
     constant_load.load_dependent = false;
-    let mut without_tilt = constant_load;
-    (
-        without_tilt.misalignment_effect,
-        without_tilt.shuttling_effect,
-    ) = (false, false);
+    let without_tilt = Parameters {
+        misalignment_effect: false,
+        shuttling_effect: false,
+        ..constant_load
+    };
     let common = [
         ("spline", choice(Conjugate, Spline)),
         ("linear", choice(Conjugate, Linear)),
@@ -226,8 +228,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         (&real, Paper, Spline, 250_000),
     ] {
         let steps = if context.quick { steps / 100 } else { steps };
-        let element = case.element(choice(formulation, interpolation))?;
-        let worst = long_run(case.geometry(), element, steps)?;
+        let worst = long_run(case, choice(formulation, interpolation), steps)?;
         let law = format!("{} | {formulation:?} | {interpolation:?}", case.name());
         rows.push(format!("{law} | {steps} | {worst:.1e}"));
     }

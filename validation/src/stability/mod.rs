@@ -1,16 +1,14 @@
-//! Stability: energy, nonlinear motion with known answers, co-simulation, hard cases, continuity.
+//! Stability: energy, nonlinear motion with known answers, co-simulation, continuity.
 
 pub mod continuity;
 pub mod cosimulation;
 pub mod energy;
 pub mod experiment;
-mod hard;
 pub mod oscillator;
 pub mod rattle;
 
 use crate::setup::{Setup, shipped, shipped_at};
 use crate::{Chapter, Result};
-use gearmesh::contact::ContactSettings;
 use gearmesh::element::{
     Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
@@ -20,12 +18,11 @@ use gearmesh::table::Table;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
 
-pub const CHAPTERS: [(&str, Chapter); 6] = [
+pub const CHAPTERS: [(&str, Chapter); 5] = [
     ("energy", energy::report),
     ("oscillator", oscillator::report),
     ("rattle", rattle::report),
     ("cosimulation", cosimulation::report),
-    ("hard-cases", hard::report),
     ("continuity", continuity::report),
 ];
 
@@ -54,9 +51,7 @@ impl Real {
 
     /// The shipped pair `name` with a table made here, on coarse finite elements and a grid that takes seconds.
     pub fn coarse(name: &'static str) -> Result<Self> {
-        let pair = shipped_at(name, Refinement::Coarse)?;
-        let contact = ContactSettings::for_pair(&pair);
-        let setup = Setup::new(pair, contact)?;
+        let setup = Setup::from_pair(shipped_at(name, Refinement::Coarse)?)?;
         let table = setup.table(&setup.samples([8, 5, 9, 12])?)?;
         Ok(Self {
             name,

@@ -48,7 +48,7 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
     let (rolls, zs) = (vec![5e-3, 10e-3, 15e-3, 20e-3], vec![0.0, 10e-3, 25e-3]);
     let line = |i: i32| (0..3).map(|j| 1e-6 * f64::from(i * j)).collect();
     let measured = Topography::new(rolls, zs, (0..4).map(line).collect());
-    let measured = Some(Arc::new(measured.expect("a grid")));
+    let measured = Some(measured.expect("a grid"));
     helical.microgeometry.drive[1].topography = measured.clone();
     let own = Microgeometry {
         topography: measured,

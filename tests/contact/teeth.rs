@@ -339,7 +339,7 @@ fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
         flanks: vec![OwnFlank {
             tooth: 2,
             microgeometry: Microgeometry {
-                topography: Some(Arc::new(grid)),
+                topography: Some(grid),
                 ..nominal.clone()
             },
         }],

@@ -39,7 +39,7 @@ pub struct ModelArgs {
     pub root_stress: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
-    #[arg(long, value_parser = limits::within(1..=1000))]
+    #[arg(long, value_parser = limits::within(1..=1000_usize))]
     stations: Option<usize>,
 
     /// Compute finite-element models anew and keep none, wherever GEARMESH_CACHE_DIR or --cache-dir would keep them
@@ -47,7 +47,7 @@ pub struct ModelArgs {
     no_cache: bool,
 
     /// Threads to use, at most 1024 [default: one per core]
-    #[arg(long, value_parser = limits::within(1..=1024))]
+    #[arg(long, value_parser = limits::within(1..=1024_usize))]
     threads: Option<usize>,
 
     /// No progress on standard error

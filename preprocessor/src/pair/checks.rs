@@ -24,14 +24,15 @@ pub(super) fn check_with_usual(
     range: [f64; 2],
     usual: [f64; 2],
 ) -> Result<(), Refusal> {
-    // As they are shown: 0.1 * 1.5 is not quite 0.15.
     let [low, high] = range.map(rounded);
     let problem = match range[0] == ABOVE_0 {
         true => format!("must be above 0 and at most {high}"),
         false => format!("lies outside {low} to {high}"),
     };
     let meant = meant(path, value, usual).map_or_else(String::new, |meant| format!(": {meant}"));
-    ensure!(within(value, [low, high]), path => number(value);
+    // A limit as it is shown is allowed, too: 0.1 * 1.5 is not quite 0.15.
+    let allowed = [low.min(range[0]), high.max(range[1])];
+    ensure!(within(value, allowed), path => number(value);
         "{problem}"; "give a value in that range, in the unit of the name{meant}");
     Ok(())
 }

@@ -83,7 +83,7 @@ fn stress_under(gear: &Gear, u: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> 
     let settings = Settings::new(Refinement::Coarse, 1).for_root_stress();
     let model = Model::new(gear, &settings).unwrap();
     let mesh = Mesh::new(&model);
-    let (_, functionals) = FilletGrid::new(&model, &mesh);
+    let (_, functionals) = fillet::points(&model, &mesh);
     let values: Vec<f64> = functionals
         .iter()
         .map(|column| {

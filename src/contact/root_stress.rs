@@ -114,7 +114,7 @@ pub struct CondensedRoots {
 }
 
 /// Lengths of roll at which loads are known.
-pub const ROLLS: usize = 9;
+pub const ROLLS: usize = 7;
 
 /// Load on a segment as one gear sees it.
 #[derive(Debug, Clone, Copy)]

@@ -13,7 +13,7 @@ use super::model::Model;
 use super::settings::Settings;
 use super::{FiniteElementError, ModelCache, Origin, Progress};
 use gearmesh::compliance::{BeyondModel, Segment};
-use gearmesh::contact::{COMPONENTS, CondensedRoots, Fillet, ROLLS, RootField};
+use gearmesh::contact::{CondensedRoots, Fillet, ROLLS, RootField};
 use gearmesh::gear::Gear;
 
 /// Stress in the tooth roots of one gear per load on its flanks.
@@ -196,28 +196,8 @@ impl RootStress {
         stress
     }
 
-    /// The map from loads on the whole `stations` of the face as this gear sees them, for contact at run time: on fewer points of
-    /// the fillet.
+    /// The map from loads on the whole `stations` of the face, as this gear sees them, for contact at run time.
     pub fn condensed(&self, stations: &[Segment]) -> CondensedRoots {
-        let thin = |count: usize, most: usize| -> Vec<usize> {
-            let last = count - 1;
-            let steps = last.min(most - 1).max(1);
-            let mut picked: Vec<usize> = (0..=steps).map(|i| (i * last).div_ceil(steps)).collect();
-            picked.dedup();
-            picked
-        };
-        let [along, across] = [
-            thin(self.fillet.z.len(), ALONG_FACE),
-            thin(self.fillet.arcs.len(), ALONG_PROFILE),
-        ];
-        let pick = |all: &[f64], picked: &[usize]| picked.iter().map(|i| all[*i]).collect();
-        let fillet = Fillet {
-            radii: pick(&self.fillet.radii, &across),
-            tangents: pick(&self.fillet.tangents, &across),
-            arcs: pick(&self.fillet.arcs, &across),
-            z: pick(&self.fillet.z, &along),
-            ..self.fillet.clone()
-        };
         let middle = stations[stations.len() / 2];
         let roll_by_z = (middle.roll[1] - middle.roll[0]) / (middle.z[1] - middle.z[0]);
         let rolls = self.loads.rolls();
@@ -234,17 +214,12 @@ impl RootStress {
                     let forces = self.loads.weights(&segment).into_iter();
                     let first = away * self.loads.len();
                     let stress = self.stress(forces.map(|(node, weight)| (first + node, weight)));
-                    for z in &along {
-                        for arc in &across {
-                            let point = COMPONENTS * (z * self.fillet.arcs.len() + arc);
-                            values.extend(stress[point..][..COMPONENTS].iter().map(|s| *s as f32));
-                        }
-                    }
+                    values.extend(stress.into_iter().map(|s| s as f32));
                 }
             }
         }
         CondensedRoots {
-            fillet,
+            fillet: self.fillet.clone(),
             reach: self.reach,
             stations: stations.len(),
             rolls,
@@ -253,10 +228,6 @@ impl RootStress {
         }
     }
 }
-
-/// Points of the fillet at run time along the face and along the profile.
-const ALONG_FACE: usize = 16;
-const ALONG_PROFILE: usize = 10;
 
 impl Map {
     fn new(

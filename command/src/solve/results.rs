@@ -5,11 +5,11 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use gearmesh::contact::RootPoint;
 use gearmesh::contact::{ContactSolver, SegmentLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, harmonics};
-use gearmesh_preprocessor::finite_element::RootPoint;
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 

@@ -151,9 +151,12 @@ pub fn compute(
         let error = &record.interpolation_error;
         lines.push(format!("root stress: {}, {error}", seconds_since(begin)));
     }
-    let at_run_time =
-        (contact || grid.teeth).then(|| contact_file(&pair, &args.at_run_time(&model.solver)));
-    let at_run_time = at_run_time.transpose()?;
+    let solver = args.at_run_time(&model.solver);
+    let at_run_time = (contact || grid.teeth).then(|| contact_file(&pair, &solver));
+    let mut at_run_time = at_run_time.transpose()?;
+    if let Some(file) = at_run_time.as_mut().filter(|_| contact && args.root_stress) {
+        sweeps.add_root_stress(file, &solver)?;
+    }
     let begin = Instant::now();
     let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
     let teeth = teeth.map(|contact| sweeps.teeth(contact, grid.friction));

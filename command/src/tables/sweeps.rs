@@ -1,6 +1,7 @@
 //! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs; before them, whether the contact can
 //! be solved at the corners of the operating range.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
@@ -11,7 +12,7 @@ use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
     RootStressRecord, TeethRecord,
 };
-use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
+use gearmesh_preprocessor::contact::{CycleInput, MeshCycle, condensed_roots};
 use gearmesh_preprocessor::table::{
     Coverage, RootStressSweep, TeethSweep, Watch, WatchedSolver, default_axes,
     default_root_stress_axes, default_sliding_axes, default_teeth_axes, measure,
@@ -132,6 +133,24 @@ impl Sweeps<'_> {
             interpolation_error: error,
             axes,
         })
+    }
+
+    /// Adds the stress in the tooth roots to the `contact` at run time that `solver` has.
+    pub fn add_root_stress(
+        &self,
+        contact: &mut ContactFile,
+        solver: &ContactSolver,
+    ) -> Result<(), Error> {
+        let coast = contact.coast.as_mut();
+        for (flank, condensed) in [
+            (Flank::Drive, Some(&mut contact.drive)),
+            (Flank::Coast, coast),
+        ] {
+            let Some(condensed) = condensed else { continue };
+            let maps = self.args.fillets(self.pair, flank, self.job)?.maps;
+            Arc::make_mut(condensed).roots = Some(condensed_roots(solver, flank, &maps)?);
+        }
+        Ok(())
     }
 
     /// Tooth pairs one by one, their error measured against `contact`.

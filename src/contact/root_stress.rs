@@ -140,10 +140,9 @@ impl CondensedRoots {
             && !fillet.z.is_empty()
             && self.reach < 1000
             && self.rolls[0] < self.rolls[1];
-        let columns = (2 * self.reach + 1).checked_mul(self.stations)?;
-        let count = columns
-            .checked_mul(ROLLS)?
-            .checked_mul(fillet.components())?;
+        let teeth = self.reach.checked_mul(2)?.checked_add(1)?;
+        let columns = teeth.checked_mul(self.stations)?.checked_mul(ROLLS)?;
+        let count = columns.checked_mul(fillet.components())?;
         makes_sense.then_some(count)
     }
 

@@ -147,6 +147,33 @@ fn leaving_the_range_is_reported_once_each_time_and_the_flag_goes_with_the_state
 }
 
 #[test]
+fn input_derivatives_hold_for_the_coming_step_whether_values_are_set_before_or_after() {
+    let turn = index::GEAR1_ANGLES_3;
+    let force = |sets: [bool; 2]| {
+        let mut instance = constant_stiffness(Interface::CoSimulation);
+        instance.exit_initialization().unwrap();
+        for is_value in sets {
+            if is_value {
+                set(&mut instance, turn, 1e-5);
+            } else {
+                let rate = instance.set_input_derivatives(&[reference(turn)], &[1], &[10.0]);
+                rate.unwrap();
+            }
+        }
+        instance.do_step(0.0, 1e-5).unwrap();
+        let first = get(&mut instance, index::MESH_NORMAL_FORCE);
+        // The next step has none.
+        instance.do_step(1e-5, 1e-5).unwrap();
+        assert_eq!(get(&mut instance, index::MESH_NORMAL_FORCE), first);
+        assert!((get(&mut instance, turn) - 1.1e-4).abs() < 1e-18);
+        first
+    };
+    let before = force([true, false]);
+    assert!(before > 100.0);
+    assert_eq!(force([false, true]), before);
+}
+
+#[test]
 fn range_warnings_come_with_the_outputs_and_end_after_a_hundred() {
     let (mut instance, nominal) = on_tables(Interface::ModelExchange);
     instance.exit_initialization().unwrap();

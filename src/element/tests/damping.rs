@@ -1,6 +1,7 @@
 //! Claims about the damper: it takes energy at every state, and nothing else changes.
 
 use super::*;
+use crate::element::kinematics::{Coordinates, Map};
 
 #[test]
 fn a_damper_of_any_size_gives_no_energy_and_leaves_flank_and_energy_alone() {
@@ -39,6 +40,45 @@ fn a_damper_of_any_size_gives_no_energy_and_leaves_flank_and_energy_alone() {
                 cut_off += usize::from(out.tangential_force == 0.0);
             }
             assert!(cut_off > 0 || damping < 1e5);
+        }
+    }
+}
+
+/// What damper and friction take is what the bodies lose: loads come back through the transpose of the map of the rates.
+#[test]
+fn loads_are_minus_the_transpose_of_rates() {
+    let mut noise = Noise::new(31);
+    for formulation in [Formulation::Conjugate, Formulation::Paper] {
+        for pair in three_pairs(1.0) {
+            let element = constant(&pair, formulation, LoadedFlank::Both);
+            for _ in 0..20 {
+                let mut inputs = random_pose(&element, &mut noise);
+                set_velocities(&mut inputs, &mut noise, 0.1, 2.0);
+                let map = Map::<f64>::new(&element.constants, formulation, &inputs.gears).unwrap();
+                let slopes = Coordinates {
+                    turn: noise.next(),
+                    half_gap: noise.next(),
+                    center_distance: noise.next(),
+                    misalignment: [1e-2 * noise.next(), 1e-2 * noise.next()],
+                    mesh_angle: 1e-2 * noise.next(),
+                    axial: noise.next(),
+                };
+                let r = map.rates(&map.twist(&inputs.gears));
+                let terms = [
+                    slopes.turn * r.turn,
+                    slopes.half_gap * r.half_gap,
+                    slopes.center_distance * r.center_distance,
+                    slopes.misalignment[0] * r.misalignment[0],
+                    slopes.misalignment[1] * r.misalignment[1],
+                    slopes.mesh_angle * r.mesh_angle,
+                    slopes.axial * r.axial,
+                ];
+                let loads = map.on_gears(&map.wrench(&slopes));
+                let work = loads.iter().zip(&inputs.gears);
+                let work = work.map(|(load, m)| load.linear.dot(&m.v) + load.angular.dot(&m.w));
+                let sum = terms.iter().sum::<f64>() + work.sum::<f64>();
+                assert!(sum.abs() <= 1e-13 * terms.map(f64::abs).iter().sum::<f64>());
+            }
         }
     }
 }

@@ -9,7 +9,6 @@ from conftest import EXTERNAL_AND_INTERNAL, FORMULATIONS
 from differences import check_derivatives, directional, evaluate, values_of, variables
 from fmpy import simulate_fmu
 from host import DISCARD, MODEL_EXCHANGE, OK, EventInfo
-from test_tables import Geometry
 
 OUTPUTS = ["gear1.force[2]", "gear1.moment[3]", "gear2.moment[3]", "mesh.transmissionError", "mesh.position"]
 
@@ -174,7 +173,7 @@ def test_directional_derivatives_are_those_of_differences(mesh, pair, formulatio
     for n in inputs:
         if "quaternion" not in n:
             values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 1e-5)
-    slip = 4e-5 / Geometry(instance.unit).rw[0]
+    slip = 4e-5 / instance.unit.geometry.pitch_radii[0]
     values["gear1.angles[3]"] += slip
     values["gear1.quaternion[4]"] += slip / 2
     instance.set(values)

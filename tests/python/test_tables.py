@@ -1,9 +1,7 @@
 """Units with tables: the element against the solver the tables came from."""
 
 import itertools
-import json
 import math
-from pathlib import Path
 
 import gearmesh
 import numpy as np
@@ -16,25 +14,9 @@ CYCLE = ["external-cycle", "ring2-cycle"]
 TORQUE = 100.0
 
 
-class Geometry:
-    """Operating values from the macrogeometry, by the textbook."""
-
-    def __init__(self, unit):
-        data = json.loads((Path(unit.folder) / "resources" / "unit.json").read_text())["geometry"]
-        g1, g2 = data["gears"]
-        self.z = [g1["teeth"], g2["teeth"]]
-        self.e = -1 if "ring" in (g1["kind"], g2["kind"]) else 1
-        beta, alpha_n = g1["helix_angle_rad"], g1["normal_pressure_angle_rad"]
-        alpha_t = np.arctan(np.tan(alpha_n) / np.cos(beta))
-        r = [0.5 * z * g1["normal_module_m"] / np.cos(beta) for z in self.z]
-        self.c = data["center_distance"]
-        self.phi = np.arccos(abs(r[0] + self.e * r[1]) * np.cos(alpha_t) / self.c)
-        self.rw = [z * self.c / abs(self.z[0] + self.e * self.z[1]) for z in self.z]
-
-
 def press(instance, tangential, sign=1):
     """Turns gear 1 until the elongation along the pitch circle is `tangential`."""
-    radius = Geometry(instance.unit).rw[0]
+    radius = instance.unit.geometry.pitch_radii[0]
     for _ in range(4):
         missing = sign * tangential - instance.get("mesh.transmissionError")
         instance.set({"gear1.angles[3]": instance.get("gear1.angles[3]") + missing / radius})
@@ -47,8 +29,8 @@ def under_torque(make, pair, position, torque=TORQUE, sign=1, **parameters):
     # Pressing the teeth moves the mesh position by the slip: again from a corrected start.
     for _ in range(3):
         instance = make(pair)
-        g = Geometry(instance.unit)
-        pitch = 2 * math.pi / g.z[0]
+        g = instance.unit.geometry
+        pitch = 2 * math.pi / g.teeth[0]
         phase = (position + correction) * pitch
         start = {"damping": 0.0, "loadedFlank": 1 if sign > 0 else 2, "meshPhase": phase}
         instance.initialize({**start, **parameters})
@@ -57,7 +39,7 @@ def under_torque(make, pair, position, torque=TORQUE, sign=1, **parameters):
             instance.set({"gear1.angles[3]": angle})
             return abs(instance.get("gear1.moment[3]")) - torque
 
-        a, b = sign * 5e-6 / g.rw[0], sign * 3e-5 / g.rw[0]
+        a, b = sign * 5e-6 / g.pitch_radii[0], sign * 3e-5 / g.pitch_radii[0]
         at_a, at_b = missing(a), missing(b)
         for _ in range(40):
             if abs(at_b) < 1e-9 * torque or at_a == at_b:
@@ -90,10 +72,10 @@ def test_the_unit_carries_the_nominal_torque_at_the_static_transmission_error(
         instance = under_torque(
             table_mesh, pair, position, sign=sign, formulation=formulation, shuttlingEffect=1
         )
-        g = Geometry(instance.unit)
+        g = instance.unit.geometry
         away = instance.get("mesh.position") - position
         assert away - round(away) == pytest.approx(0.0, abs=1e-8)
-        found = sign * instance.get("mesh.transmissionError") * math.cos(g.phi) * 1e6
+        found = sign * instance.get("mesh.transmissionError") * math.cos(g.pressure_angle) * 1e6
         # The tables' error is 0.4 % of the force at most.
         assert found == pytest.approx(static.ste_loa_um[i], rel=4e-3)
         z = 1e3 * instance.get("mesh.contactZ")
@@ -117,7 +99,7 @@ def test_root_stress_is_that_of_the_static_solve(table_mesh, pair, flank):
     for k in rng.choice(np.arange(1, positions), 3, replace=False):
         instance = under_torque(table_mesh, pair, k / positions, torque, flank, rootStress=1)
         # The torque holds the change of the elastic energy over the cycle, too: compared is stress over load.
-        force = instance.get("mesh.tangentialForce") * Geometry(instance.unit).rw[0] / torque
+        force = instance.get("mesh.tangentialForce") * instance.unit.geometry.pitch_radii[0] / torque
         for gear in (0, 1):
             known = 1e6 * solved.root_stress_mpa[gear, k] * force
             assert instance.get(f"mesh.rootStress{gear + 1}") == pytest.approx(known, rel=0.015), (gear, k)

@@ -1,4 +1,4 @@
-"""The units that the tests drive, packed once."""
+"""The FMUs that the tests drive, packed once."""
 
 import json
 import math
@@ -99,13 +99,13 @@ units, table_units = map(unpacked, ("fmus", "table_fmus"))
 
 @pytest.fixture
 def mesh(units):
-    """Makes instances of a unit and frees them after the test."""
+    """Makes instances of an FMU and frees them after the test."""
     yield from instances(units)
 
 
 @pytest.fixture
 def table_mesh(table_units):
-    """As `mesh`, of the units with tables."""
+    """As `mesh`, of the FMUs with tables."""
     yield from instances(table_units)
 
 
@@ -122,7 +122,7 @@ def instances(units):
 
 
 def oscillator(folder, swing):
-    """A unit of y'' + k(t) max(y, 0) = 1 with k = 4.9e8 N/m (1 + `swing` cos(mesh position)) on the line of action, without damping."""
+    """An FMU of y'' + k(t) max(y, 0) = 1 with k = 4.9e8 N/m (1 + `swing` cos(mesh position)) on the line of action, without damping."""
     pair = PAIRS / "palermo2013-unmodified.json"
     radius = 38.4567147e-3  # of the base circles
     rows = ["torque_nm,mesh_position,center_distance_offset_um,misalignment_mrad,ste_loa_um,contact_z_mm"]

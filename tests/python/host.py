@@ -1,7 +1,7 @@
-"""A host for the tests: the unit's C interface through fmpy, with names and its own logger.
+"""A host for the tests: the FMU's C interface through fmpy, with names and its own logger.
 
 fmpy's logger proxy must not be mixed with other callbacks in one process, so the tests bring their
-own callbacks everywhere. The unit logs through the format "%s" with one string; on the machines the
+own callbacks everywhere. The FMU logs through the format "%s" with one string; on the machines the
 tests run on, a variadic argument arrives like an ordinary one, so the logger takes six arguments.
 """
 

@@ -1,4 +1,4 @@
-"""The demo's driver and scenes through packed units, against the paper and closed forms."""
+"""The demo's driver and scenes through packed FMUs, against the paper and closed forms."""
 
 import math
 import sys

@@ -1,4 +1,4 @@
-"""The loads of packed units against two helicoids of the tests' own (`oracle.py`), in arbitrary poses."""
+"""The loads of packed FMUs against two helicoids of the tests' own (`oracle.py`), in arbitrary poses."""
 
 import json
 from pathlib import Path

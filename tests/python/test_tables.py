@@ -1,4 +1,4 @@
-"""Units with tables: the element against the solver the tables came from."""
+"""FMUs with tables: the element against the solver the tables came from."""
 
 import itertools
 import math

@@ -18,25 +18,17 @@ use gearmesh_preprocessor::contact::{PositionRoots, contact_file};
 use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{
-    Coverage, RootStressSweep, StaticSource, TeethSweep, Watch, default_root_stress_axes,
+    Coverage, RootStressSweep, StaticSource, TeethSweep, default_root_stress_axes,
     default_sliding_axes, default_teeth_axes, displacement_nodes, mesh_positions, sweep,
     sweep_sliding,
 };
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 #[path = "common/solver.rs"]
 mod solver;
-use solver::coarse_solver;
-
-static GO_ON: AtomicBool = AtomicBool::new(false);
-
-const QUIET: Watch = Watch {
-    progress: &|_, _| (),
-    cancel: &GO_ON,
-};
+use solver::{QUIET, coarse_solver, with_stations};
 
 /// Both formulations.
 const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
@@ -381,11 +373,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let mut pair = pair::from_json(text).unwrap();
     pair.refinement = Refinement::Coarse;
     let geometry = &pair.geometry;
-    let settings = ContactSettings {
-        stations: 12,
-        ..ContactSettings::default()
-    };
-    let solver = coarse_solver(&pair, settings);
+    let solver = coarse_solver(&pair, with_stations(12));
     let elastic = Settings::for_pair(&pair);
     let models = pair_root_stress(geometry, Flank::Drive, &elastic, None, &|_, _, _| true);
     let models = models.unwrap().map(|(model, _)| model);

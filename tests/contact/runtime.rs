@@ -14,11 +14,7 @@ const PAIRS: [&str; 3] = [
 /// A pair, its solver on coarse finite elements and its contact at run time on `flank`.
 fn ready(text: &str, flank: Flank) -> (Pair, ContactSolver, RuntimeContact) {
     let pair = pair::from_json(text).unwrap();
-    let settings = ContactSettings {
-        stations: 16,
-        ..ContactSettings::default()
-    };
-    let solver = coarse_solver(&pair, settings).at_run_time();
+    let solver = coarse_solver(&pair, with_stations(16)).at_run_time();
     let [low, high] = pair.operating.center_distance_offset;
     let condensed = condensed_flank(&solver, flank, &[low, 0.5 * (low + high), high]).unwrap();
     let setup = Arc::new(solver.setup().clone());

@@ -12,7 +12,7 @@ GEARMESH = ROOT / "target" / "release" / "gearmesh"
 PAIRS, TABLES = ROOT / "resources" / "pairs", ROOT / "resources" / "tables"
 SHIPPED = ("fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84")
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
 
 import gearmesh  # noqa: E402
 from host import Unit  # noqa: E402

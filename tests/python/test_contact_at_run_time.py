@@ -13,8 +13,7 @@ TABLE, CONTACT, TEETH = 2, 3, 4
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory):
     file = tmp_path_factory.mktemp("contact") / "external.fmu"
-    made = {"contact": True, "teeth": True, "friction": True, "root_stress": True}
-    unit = Unit(gearmesh.build(pair_files()["external"], file, **made, **QUICK, **ALIGNED))
+    unit = Unit(gearmesh.build(pair_files()["external"], file, contact=True, **QUICK, **ALIGNED))
     yield {"external": unit}
     unit.close()
 
@@ -46,24 +45,6 @@ def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
         assert contact == pytest.approx(table, rel=1e-2)
         z = [1e3 * m.get("mesh.contactZ") for m in both]
         assert z[1] == pytest.approx(z[0], abs=0.1)
-
-
-@FORMULATIONS
-def test_friction_and_root_stress_are_those_of_the_tables(solved, formulation):
-    names = ["mesh.lossFactor", "mesh.rootStress1", "mesh.rootStress2"]
-    levels = {}
-    for model in (TABLE, CONTACT, TEETH):
-        found = []
-        for phase in np.arange(10) / 10:
-            instance = started(solved, model, formulation=formulation, meshPhase=phase, friction=1, rootStress=1)
-            press(instance, 1.5e-5)
-            instance.set({"gear1.angularVelocity[3]": 100.0})
-            assert instance.get("mesh.frictionPower") < 0.0
-            found.append([instance.get(name) for name in names])
-        levels[model] = np.array(found)
-    for model in (CONTACT, TEETH):
-        assert levels[model][:, 1:] == pytest.approx(levels[TABLE][:, 1:], rel=0.01)
-        assert levels[model][:, 0].mean() == pytest.approx(levels[TABLE][:, 0].mean(), rel=0.01)
 
 
 def test_contact_at_run_time_has_no_axes_and_no_range(solved):

@@ -1,6 +1,6 @@
 //! Claims about tooth pairs one by one (`stiffnessModel = teeth`), on a real pair with coarse finite elements.
 
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Warm};
+use gearmesh::contact::{ContactFile, ContactSolver, Warm};
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 use gearmesh::pair::Pair;

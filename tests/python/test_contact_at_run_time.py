@@ -1,41 +1,26 @@
 """Static contact solved at every evaluation: against the tables of the same pair, and against itself."""
 
-import gearmesh
 import numpy as np
 import pytest
-from conftest import ALIGNED, FORMULATIONS, QUICK, instances, pair_files
-from host import Unit
+from conftest import FORMULATIONS
 from test_tables import press
 
 TABLE, CONTACT, TEETH = 2, 3, 4
 
 
-@pytest.fixture(scope="module")
-def unit(tmp_path_factory):
-    file = tmp_path_factory.mktemp("contact") / "external.fmu"
-    unit = Unit(gearmesh.build(pair_files()["external"], file, contact=True, **QUICK, **ALIGNED))
-    yield {"external": unit}
-    unit.close()
-
-
-@pytest.fixture
-def solved(unit):
-    yield from instances(unit)
-
-
 def started(make, model, **parameters):
-    instance = make("external")
+    instance = make("external-cycle")
     instance.initialize({"stiffnessModel": model, "damping": 0.0, **parameters})
     return instance
 
 
 @FORMULATIONS
 @pytest.mark.parametrize("flank", [1, 2], ids=["drive", "coast"])
-def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
+def test_contact_at_run_time_is_that_of_the_tables(table_mesh, formulation, flank):
     sign = 1 if flank == 1 else -1
     for phase in np.linspace(0.0, 0.3, 7):
         both = [
-            started(solved, model, formulation=formulation, loadedFlank=flank, meshPhase=phase)
+            started(table_mesh, model, formulation=formulation, loadedFlank=flank, meshPhase=phase)
             for model in (TABLE, CONTACT)
         ]
         for instance in both:
@@ -47,8 +32,8 @@ def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
         assert z[1] == pytest.approx(z[0], abs=0.1)
 
 
-def test_contact_at_run_time_has_no_axes_and_no_range(solved):
-    instance = started(solved, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
+def test_contact_at_run_time_has_no_axes_and_no_range(table_mesh):
+    instance = started(table_mesh, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
     press(instance, 1.5e-5)
     before = instance.get("mesh.contactZ")
     c = instance.get("gear2.position[1]")
@@ -61,4 +46,4 @@ def test_contact_at_run_time_has_no_axes_and_no_range(solved):
 
 @pytest.mark.parametrize("model, remedy", [(CONTACT, "gearmesh build --contact"), (TEETH, "gearmesh tables --teeth")])
 def test_a_level_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh, model, remedy):
-    assert remedy in table_mesh("external-cycle").refused({"stiffnessModel": model})
+    assert remedy in table_mesh("external-all").refused({"stiffnessModel": model})

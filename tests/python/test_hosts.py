@@ -1,6 +1,5 @@
 """The examples of other hosts, on a short form of their scenario; `python -m examples.hosts` runs the whole."""
 
-
 import gearmesh
 import numpy as np
 import pytest

@@ -62,13 +62,12 @@ def test_under_torque_it_stands_on_either_flank_as_the_contact_solver_says(table
             away = instance.get("mesh.position") - position
             assert away - round(away) == pytest.approx(0.0, abs=1e-8)
             found = sign * instance.get("mesh.transmissionError") * math.cos(instance.unit.geometry.pressure_angle) * 1e6
-            # The tables' error is 0.4 % of the force at most.
-            assert found == pytest.approx(static.ste_loa_um[i], rel=4e-3)
+            assert found == pytest.approx(static.ste_loa_um[i], rel=3e-3)
             z = 1e3 * instance.get("mesh.contactZ")
-            assert z == pytest.approx(static.contact_z_mm[i], abs=0.05)
+            assert z == pytest.approx(static.contact_z_mm[i], abs=0.03)
             levers.append(z - 0.5 * file["gear1"]["face_width_mm"])
     # The slope moves the contact to the same end on both flanks: no mirrored table would.
-    assert pair != "external-cycle" or np.mean(levers) > 0.1, levers
+    assert pair != "external-cycle" or np.mean(levers) < -0.1, levers
 
 
 @pytest.mark.parametrize("pair", FULL)

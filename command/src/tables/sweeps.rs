@@ -46,8 +46,8 @@ pub(super) struct Sweeps<'a> {
 }
 
 impl Sweeps<'_> {
-    /// The grids of the drive flank and, where it needs one of its own, the coast flank, and their error: default grids, but for
-    /// a drive flank whose error shall stay below `max_error`.
+    /// The grids of the drive flank and, where it needs one of its own, the coast flank, and their error: on default axes, or on
+    /// those that keep the error of the drive flank below `max_error`.
     pub fn flanks(
         &self,
         solver: &WatchedSolver<'_>,
@@ -55,13 +55,16 @@ impl Sweeps<'_> {
     ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), Error> {
         let geometry = &self.pair.geometry;
         let (drive, mut error) = match max_error {
-            None => self.default_grid(solver, Flank::Drive)?,
+            None => {
+                let axes = self.with_misalignments(default_axes(self.coverage));
+                self.grid_on(&axes, solver, Flank::Drive)?
+            }
             Some(bound) => self.watched("static contact", |watch| {
                 table_within(solver, geometry, self.coverage, self.tilt, bound, watch)
             })?,
         };
         within(max_error, &error)?;
-        let coast = self.on_own_coast(|flank| self.default_grid(solver, flank))?;
+        let coast = self.on_own_coast(|flank| self.grid_on(&drive.axes, solver, flank))?;
         if let Some((_, found)) = &coast {
             error = error.with(*found);
             within(max_error, &error)?;
@@ -69,16 +72,16 @@ impl Sweeps<'_> {
         Ok((drive, coast.map(|(grid, _)| grid), error))
     }
 
-    /// The default grid of `flank`, and its error at random operating points.
-    fn default_grid(
+    /// The grid of `flank` on `axes`, and its error at random operating points.
+    fn grid_on(
         &self,
+        axes: &Axes,
         solver: &WatchedSolver<'_>,
         flank: Flank,
     ) -> Result<(FlankGrid, InterpolationError), Error> {
-        let axes = self.with_misalignments(default_axes(self.coverage));
         let largest = self.coverage.maximum_torque;
         let grid = self.watched("static contact", |watch| {
-            sweep(solver, flank, &axes, largest, watch)
+            sweep(solver, flank, axes, largest, watch)
         })?;
         let table = FlankTable::new(&grid, Interpolation::Spline)?;
         let (geometry, coverage) = (&self.pair.geometry, self.coverage);

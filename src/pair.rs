@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::friction::FrictionLaw;
-use crate::gear::{Gear, PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
 
 /// Fineness of the finite-element model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
@@ -65,7 +65,11 @@ impl Pair {
         };
         // Faces are given to a micrometre at best.
         (middle(0) - middle(1)).abs() < 1e-9
-            && self.geometry.gears.iter().all(Gear::has_symmetric_body)
+            && self
+                .geometry
+                .gears
+                .iter()
+                .all(|gear| gear.turned().is_none())
             && self.microgeometry.coast_mirrors_drive()
     }
 }

@@ -14,19 +14,12 @@ use crate::output::{self, Listing};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Cache of elastic models")]
 pub struct CacheArgs {
-    /// Folder that keeps elastic models; a change of microgeometry, loads or misalignments alone finds its model
-    /// there [default: gearmesh in the user's cache folder]
+    /// Folder that keeps elastic models [default: gearmesh in the user's cache folder]
     #[arg(long, env = "GEARMESH_CACHE_DIR", hide_env_values = true)]
     cache_dir: Option<PathBuf>,
 
     /// Largest size of that folder in megabytes; the least recently used models make room for new ones
-    #[arg(
-        long,
-        env = "GEARMESH_CACHE_LIMIT_MB",
-        hide_env_values = true,
-        value_name = "MB",
-        default_value_t = ModelCache::DEFAULT_LIMIT / 1_000_000
-    )]
+    #[arg(long, env = "GEARMESH_CACHE_LIMIT_MB", hide_env_values = true, value_name = "MB", default_value_t = ModelCache::DEFAULT_LIMIT / 1_000_000)]
     cache_limit_mb: u64,
 }
 
@@ -68,8 +61,7 @@ impl Cache {
             for path in cache.others().map_err(failed)? {
                 text += &format!("left {}, which is no model of this cache\n", path.display());
             }
-            output::print(&text)?;
-            return Ok(());
+            return Ok(output::print(&text)?);
         }
         let mut rows = Listing::default();
         for model in models.iter().rev() {
@@ -80,8 +72,9 @@ impl Cache {
         }
         let number = count(models.len(), "elastic model");
         let limit = megabytes(cache.limit());
-        output::print(&format!("{folder}: {number}, {total} of {limit}\n{rows}"))?;
-        Ok(())
+        Ok(output::print(&format!(
+            "{folder}: {number}, {total} of {limit}\n{rows}"
+        ))?)
     }
 }
 

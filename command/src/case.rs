@@ -66,11 +66,11 @@ impl Case {
         Some(stresses.fold(0.0, f64::max))
     }
 
-    /// Share of the tooth pair `pair` in the load at position `i`.
     pub fn share(&self, i: usize, pair: i32) -> f64 {
-        let shares = &self.cycle.results[i].load_share;
-        let share = shares.iter().find(|(k, _)| *k == pair);
-        share.map_or(0.0, |(_, share)| *share)
+        let mut shares = self.cycle.results[i].load_share.iter();
+        shares
+            .find(|(k, _)| *k == pair)
+            .map_or(0.0, |share| share.1)
     }
 
     /// What friction takes while gear 1 makes `rpm` turns a minute.
@@ -87,27 +87,21 @@ impl Case {
     }
 }
 
-/// Each of `torques` (N m) with each of `misalignments` (rad).
 pub fn load_matrix(torques: &[f64], misalignments: &[f64]) -> Vec<LoadCase> {
-    let mut loads = Vec::new();
-    for &torque in torques {
-        let load = |&misalignment| LoadCase {
-            torque,
-            misalignment,
-        };
-        loads.extend(misalignments.iter().map(load));
-    }
-    loads
+    let load = |torque, misalignment| LoadCase {
+        torque,
+        misalignment,
+    };
+    let at_torque = |&torque| misalignments.iter().map(move |&m| load(torque, m));
+    torques.iter().flat_map(at_torque).collect()
 }
 
-/// A torque in text, `100 N m`.
 pub fn torque_in_words(torque: f64) -> String {
     format!("{} N m", rounded(torque))
 }
 
 type Row<'a> = &'a Case;
 
-/// What distinguishes cases.
 pub fn load<'r>() -> Vec<Column<'static, Row<'r>>> {
     columns! { |c: &Row|
         "torque_nm", ["torque", "N m", None] => c.input.torque;
@@ -115,7 +109,6 @@ pub fn load<'r>() -> Vec<Column<'static, Row<'r>>> {
     }
 }
 
-/// A row of `summary.csv`; `--json` has it, too.
 pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     let width = solver.geometry().face_overlap().1;
     let stiffness =
@@ -132,14 +125,12 @@ pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     }
 }
 
-/// What the heads of [`summary`] mean.
 pub const LEGEND: &str = "\
 STE: static transmission error on the line of action at mid-face, p-p: peak to peak, 1st harm.: amplitude of its first
 harmonic; p_max: largest flank pressure; tip edge: largest line load there; K_Hbeta: largest over mean load along the
 face; stiffness: mean of the cycle, tangent, on the line of action, also over the common face width.
 ";
 
-/// Further results of a case.
 pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     let g = solver.geometry();
     let center_distance = |input: &CycleInput| g.center_distance + input.center_distance_offset;

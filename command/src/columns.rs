@@ -1,7 +1,5 @@
 //! Quantities of the rows of a result: one description for CSV files, JSON, and tables and listings of text.
 
-use std::fmt::Write;
-
 use gearmesh::words::{fixed, rounded};
 use serde_json::{Map, Value};
 
@@ -13,7 +11,7 @@ pub struct Column<'a, T> {
     /// With its unit, as CSV and JSON have it; empty where text alone has the quantity.
     pub name: String,
     /// Null where a row has none.
-    pub value: Box<dyn Fn(&T) -> Value + 'a>,
+    pub value: Box<dyn Fn(&T) -> Value + Sync + 'a>,
     /// What text calls it; empty where text does not have it.
     pub head: String,
     pub unit: &'static str,
@@ -36,7 +34,7 @@ macro_rules! columns {
 pub(crate) use columns;
 
 impl<'a, T> Column<'a, T> {
-    pub fn new(name: impl Into<String>, value: impl Fn(&T) -> Value + 'a) -> Self {
+    pub fn new(name: impl Into<String>, value: impl Fn(&T) -> Value + Sync + 'a) -> Self {
         Column {
             name: name.into(),
             value: Box::new(value),
@@ -47,18 +45,17 @@ impl<'a, T> Column<'a, T> {
     }
 
     pub fn shown(
-        self,
+        mut self,
         head: impl Into<String>,
         unit: &'static str,
         digits: impl Into<Option<usize>>,
     ) -> Self {
-        let (head, digits) = (head.into(), digits.into());
-        Column {
-            head,
-            unit,
-            digits,
-            ..self
-        }
+        (self.head, self.unit, self.digits) = (head.into(), unit, digits.into());
+        self
+    }
+
+    pub fn number(&self, row: &T) -> Option<f64> {
+        (self.value)(row).as_f64()
     }
 
     /// The value of `row` for a CSV file, empty where there is none.
@@ -71,7 +68,6 @@ impl<'a, T> Column<'a, T> {
         }
     }
 
-    /// The value of `row` in text.
     fn in_words(&self, row: &T) -> String {
         let value = (self.value)(row);
         match (value.as_f64(), self.digits) {
@@ -93,35 +89,29 @@ fn named<'c, T>(columns: &'c [Column<T>]) -> impl Iterator<Item = &'c Column<'c,
 
 /// The lines of a table: heads, units, and one for each of `rows`.
 pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec<Vec<String>> {
-    let mut lines = vec![
-        in_text(columns).map(|column| column.head.clone()).collect(),
-        in_text(columns).map(|column| column.unit.into()).collect(),
-    ];
-    for row in rows {
-        let cells = in_text(columns).map(|column| column.in_words(&row));
-        lines.push(cells.collect());
-    }
-    lines
+    let heads = in_text(columns).map(|column| column.head.clone()).collect();
+    let units = in_text(columns).map(|column| column.unit.into()).collect();
+    let cells = |row| in_text(columns).map(|c| c.in_words(&row)).collect();
+    [heads, units]
+        .into_iter()
+        .chain(rows.into_iter().map(cells))
+        .collect()
 }
 
-/// Those lines below each other.
 pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
     let lines = lines(columns, rows);
     let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max();
-    let widths = (0..lines[0].len()).map(|k| width(k).unwrap_or(0).max(9));
-    let widths: Vec<usize> = widths.collect();
+    let width = |k| width(k).unwrap_or(0).max(9);
+    let in_words = |line: &Vec<String>| {
+        let cells = line.iter().enumerate();
+        let cells = cells.map(|(k, cell)| format!("{cell:>0$}", width(k)));
+        format!("{}\n", cells.collect::<Vec<_>>().join(" ").trim_end())
+    };
     // The line of units is left out where there are none.
     let is_filled = |line: &&Vec<String>| line.iter().any(|cell| !cell.is_empty());
-    let mut text = String::new();
-    for line in lines.iter().filter(is_filled) {
-        let cells = line.iter().zip(&widths);
-        let cells = cells.map(|(cell, width)| format!("{cell:>width$}"));
-        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join(" ").trim_end());
-    }
-    text
+    lines.iter().filter(is_filled).map(in_words).collect()
 }
 
-/// Adds a row of text for each column of `row`.
 pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {
     for column in in_text(columns) {
         let words = format!("{} {}", column.in_words(row), column.unit);
@@ -129,9 +119,8 @@ pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {
     }
 }
 
-/// `row` as a JSON object.
 pub fn object<T>(columns: &[Column<T>], row: &T) -> Map<String, Value> {
-    let value = |column: &Column<T>| (column.name.clone(), (column.value)(row));
+    let value = |c: &Column<T>| (c.name.clone(), (c.value)(row));
     named(columns).map(value).collect()
 }
 

@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gearmesh::element::{Element, Inputs, Parameters, PhaseOffset, PhaseReference, Workspace};
-use gearmesh::fmi::resources::{self, Resources};
+use gearmesh::element::{Parameters, PhaseReference, Workspace};
+use gearmesh::fmi::resources;
 use gearmesh_preprocessor::package;
 use gearmesh_preprocessor::storage::uninterrupted;
 use nalgebra::{Rotation3, Vector3};
@@ -14,16 +14,12 @@ use crate::Error;
 
 /// Rounds, of which the fastest counts: others were interrupted.
 const ROUNDS: usize = 11;
-/// Least duration of a round.
 const ROUND: Duration = Duration::from_millis(1);
 /// Positions over one mesh cycle, so that an evaluation meets another cell than the last one.
 const POSITIONS: usize = 64;
 
-/// Time of one evaluation of the FMU at `path`, whose GUID is `guid`, with its start values and under its nominal torque, s;
-/// `None` if no pose bears that torque.
-///
-/// # Errors
-/// Resources that no instance could be made of.
+/// Time of one evaluation of the FMU at `path` with the GUID `guid`, its start values and its nominal torque, s; None if no pose
+/// bears that torque.
 pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
     let resources = uninterrupted(|| -> Result<_, Error> {
         let folder = tempfile::tempdir()?;
@@ -36,11 +32,31 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
         ..resources.starts.settings.element
     };
     let element = resources.element(&parameters).map_err(|e| e.to_string())?;
-    let phase = element.phase_offset(&element.nominal_inputs())?;
-    let Some(spin) = loaded(&element, &phase, &parameters) else {
+    let nominal = element.nominal_inputs();
+    let phase = element.phase_offset(&nominal)?;
+    let turned = |spins: [f64; 2]| {
+        let mut inputs = nominal;
+        for (gear, spin) in inputs.gears.iter_mut().zip(spins) {
+            gear.r = *Rotation3::from_axis_angle(&Vector3::z_axis(), spin).matrix();
+        }
+        inputs
+    };
+    let bears = |spin: &f64| {
+        let outputs = element.evaluate(&phase, &turned([*spin, 0.0]));
+        outputs.is_ok_and(|o| o.moment[0].z.abs() >= parameters.nominal_torque)
+    };
+    // Gear 1 ahead by a micrometre's worth of an angle to a hundredth of a radian, on either flank.
+    let spins = (0..60).map(|i| 1e-6 * 1.17f64.powi(i));
+    let Some(spin) = spins.flat_map(|spin| [spin, -spin]).find(bears) else {
         return Ok(None);
     };
-    let poses = poses(&element, &resources, spin);
+    let geometry = &resources.unit.geometry;
+    let [z1, z2] = [0, 1].map(|i| f64::from(geometry.gears[i].teeth));
+    let pose = |i: usize| {
+        let turn = std::f64::consts::TAU / z1 * i as f64 / POSITIONS as f64;
+        turned([spin + turn, -turn * z1 / (geometry.e() * z2)])
+    };
+    let poses: Vec<_> = (0..POSITIONS).map(pose).collect();
     let mut next = poses.iter().cycle();
     let mut workspace = Workspace::default();
     let mut run = |count: usize| {
@@ -57,36 +73,4 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
     }
     let fastest = (0..ROUNDS).map(|_| run(count)).min();
     Ok(fastest.map(|time| time.as_secs_f64() / count as f64))
-}
-
-/// Spin of gear 1 (rad) from the nominal pose that makes it bear the nominal torque.
-fn loaded(element: &Element, phase: &PhaseOffset, parameters: &Parameters) -> Option<f64> {
-    let bears = |spin: f64| {
-        let outputs = element.evaluate(phase, &turned(element, [spin, 0.0]));
-        let moment = outputs.ok()?.moment[0].z;
-        (moment.abs() >= parameters.nominal_torque).then_some(spin)
-    };
-    // From a micrometre's worth of an angle to a hundredth of a radian, on either flank.
-    let spins = (0..60).map(|i| 1e-6 * 1.17f64.powi(i));
-    spins.flat_map(|spin| [spin, -spin]).find_map(bears)
-}
-
-/// The nominal pose, gears turned by `spins` (rad).
-fn turned(element: &Element, spins: [f64; 2]) -> Inputs {
-    let mut inputs = element.nominal_inputs();
-    for (gear, spin) in inputs.gears.iter_mut().zip(spins) {
-        gear.r = *Rotation3::from_axis_angle(&Vector3::z_axis(), spin).matrix();
-    }
-    inputs
-}
-
-/// Poses over one mesh cycle, gear 1 ahead by `spin` (rad).
-fn poses(element: &Element, resources: &Resources, spin: f64) -> Vec<Inputs> {
-    let geometry = &resources.unit.geometry;
-    let [z1, z2] = [0, 1].map(|i| f64::from(geometry.gears[i].teeth));
-    let pose = |i: usize| {
-        let turn = std::f64::consts::TAU / z1 * i as f64 / POSITIONS as f64;
-        turned(element, [spin + turn, -turn * z1 / (geometry.e() * z2)])
-    };
-    (0..POSITIONS).map(pose).collect()
 }

@@ -10,10 +10,8 @@ use crate::output::{Listing, rows};
 pub fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
     for (name, flank) in [("drive flank", Flank::Drive), ("coast flank", Flank::Coast)] {
         let errors = &pair.teeth.flank(flank)[i];
-        if !errors.index.is_empty() {
-            let index = errors.index.iter().copied();
-            let [least, largest] =
-                [f64::min, f64::max].map(|of| um(index.clone().reduce(of).unwrap_or(0.0)));
+        let ends = [f64::min, f64::max].map(|end| errors.index.iter().copied().reduce(end));
+        if let [Some(least), Some(largest)] = ends.map(|end| end.map(um)) {
             rows! { rows; format!("{name}: index errors") => "{least} to {largest} um, > 0 towards the mate"; }
         }
         for own in &errors.flanks {
@@ -32,7 +30,6 @@ pub fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
     }
 }
 
-/// Rows on the modifications of gear `i`.
 pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
     let gear = &pair.geometry.gears[i];
     for (name, m) in flanks(pair, i) {
@@ -40,7 +37,7 @@ pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
             match name {
                 BOTH => rows.row("modifications", "none"),
                 _ => rows.row(name, "unmodified"),
-            };
+            }
         }
         flank(name, gear, m, rows);
     }

@@ -66,7 +66,9 @@ impl Import {
         file.check()?;
         output::write_whole(&self.output, file.to_json().as_bytes())?;
         let words = file.size_and_error();
-        output::print(&format!("Wrote {}: {words}\n", self.output.display()))?;
-        Ok(())
+        Ok(output::print(&format!(
+            "Wrote {}: {words}\n",
+            self.output.display()
+        ))?)
     }
 }

@@ -30,32 +30,29 @@ pub struct Inspect {
 impl Inspect {
     pub fn run(self) -> Result<(), Error> {
         let name = self.file.display();
-        let text = match is_archive(&self.file)? {
-            true => None,
-            false => Some(output::read_text(&self.file)?),
+        let is_archive = is_archive(&self.file)?;
+        let text = match is_archive {
+            true => String::new(),
+            false => output::read_text(&self.file)?,
         };
-        let is_pair = text.as_ref().is_some_and(|text| !is_tables(text));
-        if self.json && !is_pair {
+        let is_tables = is_tables(&text);
+        if self.json && (is_archive || is_tables) {
             refuse!("--json: {name} is no pair file; leave the option out");
         }
-        let shown = match text {
-            None => fmu(&self.file)?,
-            Some(text) if is_tables(&text) => {
-                let file = TableFile::from_json(&text).map_err(|e| format!("{name}: {e}"))?;
-                table_file(&file)?
-            }
-            Some(_) => {
-                // Files that it names are sought in its folder.
-                let read = pair::read_with_gauges(&self.file);
-                let (pair, gauges) = read.map_err(|e| format!("{name}: {e}"))?;
-                match self.json {
-                    true => format!("{:#}\n", as_json(&pair, gauges)),
-                    false => pair_summary(&pair, gauges),
-                }
+        let shown = if is_archive {
+            fmu(&self.file)?
+        } else if is_tables {
+            table_file(&TableFile::from_json(&text).map_err(|e| format!("{name}: {e}"))?)?
+        } else {
+            // Files that it names are sought in its folder.
+            let read = pair::read_with_gauges(&self.file);
+            let (pair, gauges) = read.map_err(|e| format!("{name}: {e}"))?;
+            match self.json {
+                true => format!("{:#}\n", as_json(&pair, gauges)),
+                false => pair_summary(&pair, gauges),
             }
         };
-        output::print(&shown)?;
-        Ok(())
+        Ok(output::print(&shown)?)
     }
 }
 
@@ -94,7 +91,6 @@ fn fmu(path: &Path) -> Result<String, Error> {
     let unit = &found.unit;
     let tables = found.tables.as_deref().map(TableFile::from_json);
     let tables = tables.transpose()?;
-    let step_error = package::step_error(unit, tables.as_ref(), found.step_size);
     let contact_error = found.contact_error.as_ref();
     let error = level_error(unit, tables.as_ref(), contact_error);
     let mut rows = Listing::default();
@@ -107,16 +103,19 @@ fn fmu(path: &Path) -> Result<String, Error> {
             "time of one evaluation" => "{:.2} us on this machine, under nominal torque and with the start values below", 1e6 * time;
         }
     }
-    let costs = step_error.map_or(String::new(), |error| {
-        format!(
+    let mut step = format!("{:?} s", found.step_size);
+    if let Some(error) = package::step_error(unit, tables.as_ref(), found.step_size) {
+        step += &format!(
             "; costs {:.2} % rms of the variation of mesh.transmissionError under a load applied over 2 ms",
             100.0 * error
-        )
-    });
-    rows! { rows; "communication step" => "{:?} s{costs}", found.step_size; }
+        );
+    }
+    rows.row("communication step", step);
     if contact_error.is_some() && !error.starts_with("contact:") {
-        let error = run_time_error(contact_error);
-        rows! { rows; "error of contact at run time" => "{error}"; }
+        rows.row(
+            "error of contact at run time",
+            run_time_error(contact_error),
+        );
     }
     rows.row("error", error);
     for (name, value) in &unit.starts {
@@ -132,18 +131,13 @@ fn fmu(path: &Path) -> Result<String, Error> {
     Ok(text)
 }
 
-/// How far contact at run time is from static contact.
 pub fn run_time_error(error: Option<&InterpolationError>) -> String {
-    match error {
-        Some(error) => {
-            format!("{error}; against static contact on more stations, all teeth alike")
-        }
-        None => "not measured; build the FMU again".to_owned(),
-    }
+    error.map_or("not measured; build the FMU again".into(), |error| {
+        format!("{error}; against static contact on more stations, all teeth alike")
+    })
 }
 
-/// The level that `unit` starts with, by the name of its `stiffnessModel`, and how far its forces are from those of its static
-/// contact, as it was measured when the FMU was made, that of contact at run time being `contact`.
+/// The level that `unit` starts with, and how far its forces were from static contact when the FMU was made; `contact`: at run time.
 fn level_error(
     unit: &UnitFile,
     tables: Option<&TableFile>,
@@ -173,12 +167,10 @@ fn level_error(
                 (index::CENTER_DISTANCE_EFFECT, offsets),
                 (index::MISALIGNMENT_EFFECT, tables.axes.misalignment.len()),
             ];
-            let mut less = Vec::new();
-            for (i, nodes) in effects {
-                if start(i) == 0.0 && nodes > 1 {
-                    less.push(format!("{} = false", VARIABLES[i].name));
-                }
-            }
+            let is_less = |(i, nodes): &(usize, usize)| start(*i) == 0.0 && *nodes > 1;
+            let less = effects.into_iter().filter(is_less);
+            let less = less.map(|(i, _)| format!("{} = false", VARIABLES[i].name));
+            let mut less: Vec<String> = less.collect();
             if item(index::INTERPOLATION) != "spline" {
                 less.push("another interpolation".into());
             }

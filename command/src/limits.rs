@@ -8,11 +8,9 @@ use std::str::FromStr;
 
 use gearmesh_preprocessor::pair::TORQUES;
 
-/// Positions over a mesh cycle by default: the same for numbers and for pictures, so that both show the same
-/// largest pressure.
+/// Positions over a mesh cycle by default: the same for numbers and for pictures, so that both show the same largest pressure.
 pub const POSITIONS: usize = 64;
 
-/// Most positions that any mesh cycle needs.
 pub const MOST_POSITIONS: usize = 100_000;
 
 /// Misalignments, mrad, that a pair file may cover.
@@ -38,7 +36,6 @@ pub fn check<T: PartialOrd + Display>(
     within.ok_or_else(refusal)
 }
 
-/// A parser of any number.
 pub fn finite(text: &str) -> Result<f64, String> {
     let value = text.trim().parse().unwrap_or(f64::NAN);
     let refusal = || "give a finite number".to_owned();
@@ -57,25 +54,4 @@ pub fn check_torque(nm: f64) -> Result<f64, String> {
         return Ok(nm);
     }
     Err(format!("give 0 or a value from {least:e} to {most:e}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_edges_of_a_range_are_allowed_and_what_lies_beyond_or_is_no_number_is_not() {
-        let misalignment = within(MISALIGNMENTS);
-        assert_eq!((misalignment("-20"), torque("1e-9")), (Ok(-20.0), Ok(1e-9)));
-        for refused in ["nan", "20.1", "1e300", "much", ""] {
-            let refusal = misalignment(refused).unwrap_err();
-            assert_eq!(refusal, "give a value from -20 to 20", "{refused}");
-        }
-        // A torque that rounding outweighs, too.
-        for refused in ["1e-20", "-1e-9", "nan", "1e300", "much"] {
-            let refusal = torque(refused).unwrap_err();
-            assert_eq!(refusal, "give 0 or a value from 1e-9 to 1e9", "{refused}");
-        }
-        assert!(within(1..=MOST_POSITIONS)("-1").is_err());
-    }
 }

@@ -60,15 +60,13 @@ enum Command {
 /// Any error of a subcommand; its chain is printed on one line.
 type Error = Box<dyn std::error::Error>;
 
-/// Exit status of a command that was stopped by the interrupt signal, as shells give it: 128 + SIGINT.
-const STOPPED: i32 = 130;
-
 /// From now on the signals to interrupt and to terminate end the process after the file that is being written.
 fn stop_on_signals() -> Result<(), Error> {
     ctrlc::set_handler(|| {
         uninterrupted(|| {
             eprintln!("gearmesh: stopped; no unfinished file is left");
-            std::process::exit(STOPPED);
+            // As shells give it: 128 + SIGINT.
+            std::process::exit(130);
         })
     })
     .map_err(|e| format!("cannot watch for Ctrl-C: {e}").into())

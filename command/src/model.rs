@@ -34,13 +34,12 @@ pub struct ModelArgs {
     #[arg(long)]
     pub plane_strain: bool,
 
-    /// Stress in the tooth roots of both gears, too, in tables for the outputs of an FMU's `rootStress`; its elastic model
-    /// takes two to three times as long as that of the contact
+    /// Stress in the tooth roots of both gears, too; its elastic model takes two to three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     pub root_stress: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
-    #[arg(long, value_parser = limits::within(1..=MOST_STATIONS))]
+    #[arg(long, value_parser = limits::within(1..=1000_usize))]
     stations: Option<usize>,
 
     /// Compute finite-element models anew and keep none, wherever GEARMESH_CACHE_DIR or --cache-dir would keep them
@@ -48,7 +47,7 @@ pub struct ModelArgs {
     no_cache: bool,
 
     /// Threads to use, at most 1024 [default: one per core]
-    #[arg(long, value_parser = limits::within(1..=MOST_THREADS))]
+    #[arg(long, value_parser = limits::within(1..=1024_usize))]
     threads: Option<usize>,
 
     /// No progress on standard error
@@ -59,13 +58,6 @@ pub struct ModelArgs {
     cache: CacheArgs,
 }
 
-/// Most stations along the face; the influence matrix of more would not fit into memory.
-const MOST_STATIONS: usize = 1000;
-
-/// As many cores have the largest machines; each thread takes memory and time to start.
-const MOST_THREADS: usize = 1024;
-
-/// A contact solver and what it took to make it.
 pub struct Model {
     pub solver: ContactSolver,
     pub description: String,
@@ -76,7 +68,6 @@ pub struct Model {
     pub fillets: Option<Fillets>,
 }
 
-/// The models of the fillets of both gears and what it took to make them.
 pub struct Fillets {
     /// Maps from loads to the stress in the roots of gear 1 and gear 2.
     pub maps: [Arc<RootStress>; 2],
@@ -102,8 +93,7 @@ impl ModelArgs {
         Ok(Job::new(self.quiet))
     }
 
-    /// The model of `pair`, to which the command line has been applied, as part of `job`; with the fillets for loads on the
-    /// flank `roots`.
+    /// The model of `pair`, to which the command line has been applied; with the fillets for loads on the flank `roots`.
     pub fn model(&self, pair: &Pair, roots: Option<Flank>, job: &Job) -> Result<Model, Error> {
         let begin = Instant::now();
         let cache = self.cache_in_use();
@@ -137,30 +127,24 @@ impl ModelArgs {
         })
     }
 
-    /// How the contact of `pair` is discretised.
     pub fn contact_settings(&self, pair: &Pair) -> ContactSettings {
-        let settings = ContactSettings::for_pair(pair);
-        ContactSettings {
-            stations: self.stations.unwrap_or(settings.stations),
-            ..settings
-        }
+        let mut settings = ContactSettings::for_pair(pair);
+        settings.stations = self.stations.unwrap_or(settings.stations);
+        settings
     }
 
     /// The solver whose contact an FMU solves at run time: on fewer stations than `solver`, but for a number that was requested.
-    pub fn at_run_time(&self, solver: ContactSolver) -> ContactSolver {
+    pub fn at_run_time(&self, solver: &ContactSolver) -> ContactSolver {
         match self.stations {
-            Some(_) => solver,
-            None => solver.at_run_time(),
+            Some(_) => solver.clone(),
+            None => solver.clone().at_run_time(),
         }
     }
 
-    /// Whether the elastic models of `pair` need not be computed.
-    pub fn are_kept(&self, pair: &Pair) -> Result<bool, Error> {
-        let Some(cache) = self.cache_in_use() else {
-            return Ok(false);
-        };
-        let settings = self.settings(pair);
-        Ok(PairCompliance::is_kept(&pair.geometry, &settings, &cache)?)
+    pub fn are_cached(&self, pair: &Pair) -> Result<bool, Error> {
+        let (geometry, settings) = (&pair.geometry, self.settings(pair));
+        let known = |cache| PairCompliance::is_kept(geometry, &settings, &cache);
+        Ok(self.cache_in_use().map_or(Ok(false), known)?)
     }
 
     fn settings(&self, pair: &Pair) -> Settings {
@@ -174,17 +158,14 @@ impl ModelArgs {
         self.cache.cache().filter(|_| !self.no_cache)
     }
 
-    /// The pair with the refinement whose difference to that of `pair` gives the error: the next finer one
-    /// where it is cheap, else the next coarser one.
+    /// `pair` with another refinement to estimate the error: the next finer one where it is cheap, else the next coarser one.
     pub fn reference(pair: &Pair) -> Pair {
-        let refinement = match pair.refinement {
+        let mut pair = pair.clone();
+        pair.refinement = match pair.refinement {
             Refinement::Normal => Refinement::Coarse,
             Refinement::Coarse | Refinement::Fine => Refinement::Normal,
         };
-        Pair {
-            refinement,
-            ..pair.clone()
-        }
+        pair
     }
 
     fn description(&self, pair: &Pair) -> String {
@@ -199,19 +180,14 @@ impl ModelArgs {
     }
 }
 
-/// Widens the operating range of `pair` to `torque` (N m) and the ranges of `misalignment` (rad) and `center_distance_offset` (m):
+/// Widens the operating range of `pair` to `torque` (N m), `misalignment` (rad) and the centre distance `offset` (m):
 /// it decides how wide a contact the elastic model resolves and how far tip corners are followed.
-pub fn widen(
-    pair: &mut Pair,
-    torque: f64,
-    misalignment: [f64; 2],
-    center_distance_offset: [f64; 2],
-) {
+pub fn widen(pair: &mut Pair, torque: f64, misalignment: [f64; 2], offset: [f64; 2]) {
     let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
     let o = &mut pair.operating;
     o.maximum_torque = o.maximum_torque.max(torque);
     o.misalignment = wider(o.misalignment, misalignment);
-    o.center_distance_offset = wider(o.center_distance_offset, center_distance_offset);
+    o.center_distance_offset = wider(o.center_distance_offset, offset);
 }
 
 /// Shows in `job` how far the models are that `model` names.
@@ -227,12 +203,11 @@ fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
     }
 }
 
-/// What making models with these origins took, begun at `begin`. Says on standard error where the cache did not help: a
-/// result is right without it, but it should not be slow in silence.
+/// What making models with these origins took, begun at `begin`; standard error has a note where the cache did not help.
 fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
     // Equal gears share one model.
-    let models = if origins[0] == origins[1] { 1 } else { 2 };
-    for origin in &origins[..models] {
+    let count = 2 - usize::from(origins[0] == origins[1]);
+    for origin in &origins[..count] {
         let what = match origin {
             Origin::Replaced(why) => format!("computed anew: {why}"),
             Origin::NotStored(why) => format!("not kept: {why}"),

@@ -68,7 +68,6 @@ pub struct New {
 struct File<'a> {
     new: &'a New,
     name: serde_json::Value,
-    /// A comment on what follows from the pair.
     derived: &'a str,
     module: f64,
     backlash_um: f64,
@@ -104,8 +103,7 @@ impl New {
         }
         output::write_whole(path, text.as_bytes())?;
         let next = format!("look at it with `gearmesh inspect {file}`");
-        output::print(&format!("{summary}Wrote {file}; {next}\n"))?;
-        Ok(())
+        Ok(output::print(&format!("{summary}Wrote {file}; {next}\n"))?)
     }
 
     /// The file; `derived` is a comment on what follows from it.
@@ -133,9 +131,10 @@ impl New {
     fn tool_tip_radius(&self) -> f64 {
         let (sin, cos) = self.pressure_angle_deg.to_radians().sin_cos();
         let room = (std::f64::consts::FRAC_PI_4 - 1.25 * sin / cos) * cos / (1.0 - sin);
-        match room >= 0.38 {
-            true => 0.38,
-            false => (20.0 * room).floor().max(0.0) / 20.0,
+        if room >= 0.38 {
+            0.38
+        } else {
+            (20.0 * room).floor().max(0.0) / 20.0
         }
     }
 
@@ -160,13 +159,11 @@ fn usual_backlash_um(pair: &Pair) -> f64 {
     let (a, module) = (1e3 * g.center_distance, 1e3 * g.gears[0].normal_module);
     let normal = 2.0 / 3.0 * (0.06 + 0.0005 * a + 0.03 * module);
     let cosines = g.operating_pressure_angle(g.center_distance).cos() * g.base_helix_angle().cos();
+    let tens = (100.0 * normal / cosines).ceil();
     // The pair file allows a quarter of a module.
-    10.0 * (100.0 * normal / cosines)
-        .ceil()
-        .min((25.0 * module).floor())
+    10.0 * tens.min((25.0 * module).floor())
 }
 
-/// Comment on what follows from the pair.
 fn derived(pair: &Pair) -> String {
     let g = &pair.geometry;
     let c = g.center_distance;

@@ -28,7 +28,6 @@ pub struct Pack {
     unit: UnitArgs,
 }
 
-/// The FMU to write.
 #[derive(Debug, Args)]
 struct UnitArgs {
     /// FMU to write
@@ -53,12 +52,11 @@ impl Pack {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
                 let (tables, error) = (tables.display(), output::chain(&error));
-                match is_tables(&text) {
-                    true => format!("--tables = {tables}: {error}"),
-                    false => {
-                        format!("--tables = {tables}: {error}; a pair file is packed by `--pair`")
-                    }
-                }
+                let remedy = match is_tables(&text) {
+                    true => "",
+                    false => "; a pair file is packed by `--pair`",
+                };
+                format!("--tables = {tables}: {error}{remedy}")
             })?;
             pack_tables(&file, None, &libraries, set, path)?
         } else {
@@ -73,8 +71,7 @@ impl Pack {
             };
             package::pack(&contents, &libraries, path)?
         };
-        output::print(&in_words(&packed, path, ""))?;
-        Ok(())
+        Ok(output::print(&in_words(&packed, path, ""))?)
     }
 }
 
@@ -113,8 +110,7 @@ impl Build {
         let contact = made.contact.as_ref();
         let packed = pack_tables(&made.file, contact, &libraries, set, output)?;
         let words = in_words(&packed, output, &format!("; {}", made.text));
-        output::print(&format!("Wrote {words}"))?;
-        Ok(())
+        Ok(output::print(&format!("Wrote {words}"))?)
     }
 }
 
@@ -131,10 +127,9 @@ fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
         return words;
     };
     let platform = only.split(' ').next().unwrap_or(only);
-    let other = if platform == "win64" {
-        "Linux"
-    } else {
-        "Windows"
+    let other = match platform {
+        "win64" => "Linux",
+        _ => "Windows",
     };
     format!(
         "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"

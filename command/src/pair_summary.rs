@@ -16,18 +16,12 @@ pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
     let mut mesh = Listing::default();
     list(&mut mesh, &in_mesh(pair), &());
     let [one, two] = [0, 1].map(|i| gear(pair, i, gauges[i]));
-    let mut text = format!(
-        "{}\n{mesh}\ngear 1\n{one}\ngear 2\n{two}\noperating\n{}",
-        pair.name,
-        operating(pair)
-    );
-    for warning in &pair.warnings {
-        text += &format!("\nnote: {warning}\n");
-    }
-    text
+    let (name, operating) = (&pair.name, operating(pair));
+    let notes = pair.warnings.iter().map(|note| format!("\nnote: {note}\n"));
+    let notes: String = notes.collect();
+    format!("{name}\n{mesh}\ngear 1\n{one}\ngear 2\n{two}\noperating\n{operating}{notes}")
 }
 
-/// The pair as JSON: what is in mesh, both gears, notes.
 pub fn as_json(pair: &Pair, gauges: [Gauges; 2]) -> Value {
     let mut all = object(&in_mesh(pair), &());
     for (i, name) in ["gear1", "gear2"].into_iter().enumerate() {
@@ -39,8 +33,7 @@ pub fn as_json(pair: &Pair, gauges: [Gauges; 2]) -> Value {
     all.into()
 }
 
-/// What a build prints of the pair, one line each: thickness of the teeth, topographies, and what is worth knowing but for the
-/// differences between teeth.
+/// What a build prints of the pair, a line each: tooth thickness, topographies, notes but for that on the teeth.
 pub fn at_build(pair: &Pair) -> Vec<String> {
     let mut lines = vec![format!("teeth: {}", thinning(pair))];
     for i in 0..2 {
@@ -62,12 +55,9 @@ fn thinning(pair: &Pair) -> String {
         [first, second] if first == second => format!("each thinned by {first} um"),
         [first, second] => format!("thinned by {first} um on gear 1 and {second} um on gear 2,"),
     };
-    format!(
-        "{by} at the operating pitch circle, from the thickness without backlash that its profile shift gives"
-    )
+    by + " at the operating pitch circle, from the thickness without backlash that its profile shift gives"
 }
 
-/// The two gears in mesh.
 fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
     let g = &pair.geometry;
     let c = g.center_distance;
@@ -154,7 +144,6 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Listing {
     rows
 }
 
-/// The hand of the teeth.
 fn hand(gear: &Gear) -> &'static str {
     match (gear.helix_angle > 0.0, gear.hand > 0.0) {
         (false, _) => "spur",
@@ -163,8 +152,7 @@ fn hand(gear: &Gear) -> &'static str {
     }
 }
 
-/// Tooth thickness in its four forms and what else a drawing says of gear `i`. None of the values is that of a tolerance:
-/// all belong to the gear as it is computed.
+/// Tooth thickness in its four forms and what else a drawing says of gear `i`, as it is computed.
 fn quantities(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     let mesh = &pair.geometry;
     let g = &mesh.gears[i];
@@ -252,7 +240,6 @@ fn diameter(radius: f64) -> String {
     format!("{:.4} mm", 2e3 * radius)
 }
 
-/// Width and ends of a range of z, m.
 fn between([low, high]: [f64; 2]) -> String {
     let [width, low, high] = [high - low, low, high].map(|z| fixed(z * 1e3, 3));
     format!("{width} mm wide, z {low} to {high} mm")

@@ -17,7 +17,6 @@ pub struct Job {
 const EVERY: Duration = Duration::from_secs(10);
 
 impl Job {
-    /// Work whose progress is shown, unless `quiet`.
     pub fn new(quiet: bool) -> Job {
         // Hides itself where standard error is no terminal.
         let target = match quiet {
@@ -34,7 +33,6 @@ impl Job {
         }
     }
 
-    /// `share` (0 to 1) of `stage` is done.
     pub fn show(&self, stage: &str, share: f64) {
         let words = format!("{stage}, {:.0} %", 100.0 * share);
         if let (true, Some(printed)) = (self.line.is_hidden(), &self.printed) {

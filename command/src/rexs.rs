@@ -1,6 +1,5 @@
 //! Cylindrical stages of REXS files, the exchange format of gearbox data (rexs.info, versions 1.4 and later), as pair files.
 
-use std::fmt::Write;
 use std::path::Path;
 
 use gearmesh::words::rounded;
@@ -37,28 +36,9 @@ const DEFAULTS: [(&str, &str); 3] = [
 ];
 
 /// Fields that are left out where the pair does not fit them.
-const OPTIONAL: [&str; 6] = [
-    "tip_form_diameter_mm",
-    "root_diameter_mm",
-    "span_measurement_mm",
-    "dimension_over_balls_mm",
-    "normal_tooth_thickness_mm",
-    "bore_diameter_mm",
-];
+const OPTIONAL: &str = "tip_form_diameter_mm root_diameter_mm span_measurement_mm dimension_over_balls_mm \
+                        normal_tooth_thickness_mm bore_diameter_mm";
 
-/// Modifications of a flank that are taken or, as slopes, named for their sign.
-const MODIFICATIONS: [&str; 8] = [
-    "tip_relief",
-    "root_relief",
-    "profile_crowning",
-    "profile_slope",
-    "helix_crowning",
-    "helix_slope",
-    "end_relief_datum_face",
-    "end_relief_non_datum_face",
-];
-
-/// A number or word of a component, with its unit.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Attribute {
@@ -81,7 +61,6 @@ struct Component {
     attributes: Vec<Attribute>,
 }
 
-/// Role and identifier of a component in a relation.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Ref {
@@ -106,7 +85,6 @@ struct Model {
     relations: Vec<Relation>,
 }
 
-/// A number or word as text.
 fn word<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
     Ok(match Value::deserialize(from)? {
         Value::String(word) => word,
@@ -126,13 +104,17 @@ pub fn pair_file(path: &Path, stage: Option<u64>, torque: Option<f64>) -> Result
     let text = crate::output::read_text(path)?;
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let name = path.file_stem().unwrap_or("rexs".as_ref());
-    let model = match text.starts_with('{') {
-        true => Model::of_json(text),
-        false => Model::of_xml(text),
+    let taken = || -> Result<Taken, Error> {
+        let model = &match text.starts_with('{') {
+            true => Model::of_json(text),
+            false => Model::of_xml(text),
+        }?;
+        let (stage, gears) = model.stage(stage)?;
+        let (notes, used) = (Vec::new(), Vec::new());
+        let draft = Draft { model, notes, used };
+        draft.fill(stage, gears, torque, &name.to_string_lossy())
     };
-    model
-        .and_then(|model| model.stage(stage, torque, &name.to_string_lossy()))
-        .map_err(|error| format!("{}: {error}", path.display()).into())
+    taken().map_err(|error| format!("{}: {error}", path.display()).into())
 }
 
 /// An element of XML in the JSON form: its attributes, its text as `value`, and its children in lists, down to `depth` levels.
@@ -217,38 +199,32 @@ impl Model {
         found
     }
 
-    fn stage(&self, id: Option<u64>, torque: Option<f64>, name: &str) -> Result<Taken, Error> {
+    /// The stage `id`, the only one where none is named, and its gears.
+    fn stage(&self, id: Option<u64>) -> Result<(&Component, [&Component; 2]), Error> {
         let all = self.components.iter();
         let stages: Vec<_> = all.filter(|c| c.kind == "cylindrical_stage").collect();
         let listed = stages.iter().map(|s| format!("{} ({})", s.id, s.name));
         let (listed, count) = (listed.collect::<Vec<_>>().join(", "), stages.len());
-        let stage = match (id.map(|id| id.to_string()), &stages[..]) {
-            (_, []) => return Err("it has no cylindrical_stage".into()),
-            (None, [only]) => Ok(only),
-            (None, _) => Err(format!(
-                "it has {count} cylindrical stages: {listed}; name one by --stage"
-            )),
-            (Some(id), _) => stages.iter().find(|s| s.id == id).ok_or_else(|| {
-                format!("--stage = {id}: there is no such cylindrical stage; there are {listed}")
-            }),
-        }?;
+        let id = id.map(|id| id.to_string());
+        let is_named = |s: &&&Component| id.as_ref().is_none_or(|id| s.id == *id);
+        let stage = match (&id, stages.iter().find(is_named)) {
+            (None, None) => refuse!("it has no cylindrical_stage"),
+            (None, _) if count > 1 => {
+                refuse!("it has {count} cylindrical stages: {listed}; name one by --stage")
+            }
+            (Some(id), None) => {
+                refuse!("--stage = {id}: there is no such cylindrical stage; there are {listed}")
+            }
+            (_, Some(stage)) => *stage,
+        };
         let is_stage = |r: &&Relation| r.kind == "stage" && r.role("stage") == Some(&stage.id);
         let relation = self.relations.iter().find(is_stage);
         let gear = |role| self.component(relation?.role(role)?);
         let [Some(gear1), Some(gear2)] = ["gear_1", "gear_2"].map(gear) else {
             let id = &stage.id;
-            return Err(
-                format!("stage {id} has no relation `stage` with gear_1 and gear_2").into(),
-            );
+            refuse!("stage {id} has no relation `stage` with gear_1 and gear_2");
         };
-        let draft = Draft {
-            model: self,
-            taken: Vec::new(),
-            assumed: Vec::new(),
-            left: Vec::new(),
-            used: Vec::new(),
-        };
-        draft.fill(stage, [gear1, gear2], torque, name)
+        Ok((stage, [gear1, gear2]))
     }
 }
 
@@ -270,55 +246,54 @@ fn um(mm: f64) -> f64 {
 /// The account of where the fields of a pair file come from.
 struct Draft<'a> {
     model: &'a Model,
-    taken: Vec<String>,
-    assumed: Vec<String>,
-    left: Vec<String>,
-    /// Component and attribute.
+    /// Each after one of [`HEADS`].
+    notes: Vec<(&'static str, String)>,
     used: Vec<(String, String)>,
 }
 
+const HEADS: [&str; 3] = ["taken", "assumed", "left"];
+
 impl<'a> Draft<'a> {
+    fn note(&mut self, head: &'static str, line: impl Into<String>) {
+        self.notes.push((head, line.into()));
+    }
+
     /// The first of the attributes `names` that one of `components` has, a number in mm, degrees, GPa or none; it is noted
     /// as taken unless `field` is empty.
     fn number(
         &mut self,
         field: &str,
         components: &[&Component],
-        names: &str,
+        names: &[&str],
     ) -> Result<Option<f64>, Error> {
-        let found = names.split_whitespace().find_map(|name| {
-            let given = |c: &&'_ Component| c.attribute(name).is_some_and(|a| !a.value.is_empty());
-            let component = components.iter().copied().find(given)?;
-            Some((component, component.attribute(name)?))
-        });
-        let Some((Component { id, kind, .. }, a)) = found else {
+        let given = |name| {
+            let all = components.iter().map(|c| (c, c.attribute(name)));
+            all.filter_map(|(c, a)| Some((c, a.filter(|a| !a.value.is_empty())?)))
+                .next()
+        };
+        let Some((Component { id, kind, .. }, a)) = names.iter().find_map(|name| given(name))
+        else {
             return Ok(None);
         };
         let (name, unit, value) = (&a.id, &a.unit, &a.value);
-        let wrong = |what| format!("attribute `{name}` of component {id}{what}");
-        let scale = scale(unit).ok_or_else(|| {
-            wrong(format!(
-                ": unit `{unit}` is none of mm, mum, m, °, rad, MPa, N / mm^2"
-            ))
-        })?;
-        let value: f64 = (value.parse()).map_err(|_| wrong(format!(" = {value}: no number")))?;
+        let attribute = format!("attribute `{name}` of component {id}");
+        let Some(scale) = scale(unit) else {
+            refuse!("{attribute}: unit `{unit}` is none of mm, mum, m, °, rad, MPa, N / mm^2");
+        };
+        let Ok(number) = value.parse::<f64>() else {
+            refuse!("{attribute} = {value}: no number");
+        };
         if !field.is_empty() {
-            self.taken
-                .push(format!("{field} from {name} of {kind} {id}"));
+            self.note("taken", format!("{field} from {name} of {kind} {id}"));
         }
         self.used.push((id.clone(), name.clone()));
-        Ok(Some(rounded(value * scale)))
+        Ok(Some(rounded(number * scale)))
     }
 
-    fn required(
-        &mut self,
-        field: &str,
-        components: &[&Component],
-        name: &str,
-    ) -> Result<f64, Error> {
-        let ids: Vec<&str> = components.iter().map(|c| &*c.id).collect();
+    fn required(&mut self, field: &str, of: &[&Component], name: &str) -> Result<f64, Error> {
+        let ids: Vec<&str> = of.iter().map(|c| &*c.id).collect();
         let missing = format!("none of the components {} has `{name}`", ids.join(", "));
-        Ok(self.number(field, components, name)?.ok_or(missing)?)
+        Ok(self.number(field, of, &[name])?.ok_or(missing)?)
     }
 
     fn fill(
@@ -329,10 +304,8 @@ impl<'a> Draft<'a> {
         name: &str,
     ) -> Result<Taken, Error> {
         let model = self.model;
-        let flanks = gears.map(|g| {
-            let kinds = ["cylindrical_gear_flank", "flank_geometry"];
-            model.related(&g.id, |kind| kinds.contains(&kind))
-        });
+        let is_flank = |kind: &str| ["cylindrical_gear_flank", "flank_geometry"].contains(&kind);
+        let flanks = gears.map(|g| model.related(&g.id, is_flank));
         let mut parts = vec![stage, gears[0], gears[1]];
         parts.extend(flanks.iter().flatten());
         let module = self.required("normal_module_mm", &parts, "normal_module")?;
@@ -342,25 +315,28 @@ impl<'a> Draft<'a> {
             "helix_angle_deg (> 0: right-handed)",
             "helix_angle_reference_diameter",
         );
-        let helix = self.number(field, &gears[..1], attribute)?;
-        let distance = self.number("center_distance_mm", &[stage], "center_distance")?;
-        let [gear1, gear2] = [
-            self.gear("gear1", gears[0], &flanks[0], [module, alpha])?,
-            self.gear("gear2", gears[1], &flanks[1], [module, alpha])?,
-        ];
+        let helix = self.number(field, &gears[..1], &[attribute])?;
+        let distance = self.number("center_distance_mm", &[stage], &["center_distance"])?;
+        let [gear1, gear2] = [0, 1].map(|i| {
+            let name = ["gear1", "gear2"][i];
+            self.gear(name, gears[i], &flanks[i], [module, alpha])
+        });
+        let (gear1, gear2) = (gear1?, gear2?);
         let width = |gear: &Map<String, Value>| gear.get("face_width_mm")?.as_f64();
         let [b1, b2] = [&gear1, &gear2].map(|gear| width(gear).unwrap_or(0.0));
         let z1 = gear1["teeth"].as_f64().unwrap_or(0.0);
         // A hundred newtons for each mm of face and of module.
         let usual = rounded((0.05 * b1.min(b2) * module * module * z1).ceil());
         if torque.is_none() {
-            self.assumed.push(format!("operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm"));
+            self.note("assumed", format!("operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm"));
         }
         let nominal = torque.unwrap_or(usual);
-        self.assumed.extend([
-            "operating: torques up to 1.5 times the nominal one, ranges of centre distance and misalignment".into(),
-            "face_offset_mm: both faces share their middle".into(),
-        ]);
+        for line in [
+            "operating: torques up to 1.5 times the nominal one, ranges of centre distance and misalignment",
+            "face_offset_mm: both faces share their middle",
+        ] {
+            self.note("assumed", line);
+        }
         let is_internal = gears.iter().any(|g| g.kind == "ring_gear");
         let mut file = json!({
             "name": name,
@@ -386,29 +362,26 @@ impl<'a> Draft<'a> {
         }
         for c in parts {
             let is_left = |name: &&str| !self.used.iter().any(|(id, n)| *id == c.id && n == name);
-            let names = c.attributes.iter().map(|a| &*a.id);
-            let names = names.filter(is_left).collect::<Vec<_>>().join(", ");
+            let names = c.attributes.iter().map(|a| &*a.id).filter(is_left);
+            let names = names.collect::<Vec<_>>().join(", ");
             if !names.is_empty() {
-                self.left.push(format!("{} {}: {names}", c.kind, c.id));
+                self.note("left", format!("{} {}: {names}", c.kind, c.id));
             }
         }
-        let mut summary = String::new();
-        for (head, lines) in [
-            ("taken", &self.taken),
-            ("assumed", &self.assumed),
-            ("left", &self.left),
-        ] {
-            for (k, line) in lines.iter().enumerate() {
+        let mut lines: Vec<String> = Vec::new();
+        for head in HEADS {
+            let own = self.notes.iter().filter(|note| note.0 == head);
+            for line in own.map(|(head, line)| format!("{head}: {line}\n")) {
                 // Both flanks name the same.
-                if !lines[..k].contains(line) {
-                    let _ = writeln!(summary, "{head}: {line}");
+                if !lines.contains(&line) {
+                    lines.push(line);
                 }
             }
         }
-        let comments: String = summary.lines().map(|line| format!("// {line}\n")).collect();
+        let comments: String = lines.iter().map(|line| format!("// {line}")).collect();
         Ok(Taken {
             text: format!("{comments}{file:#}\n"),
-            summary,
+            summary: lines.concat(),
         })
     }
 
@@ -422,17 +395,19 @@ impl<'a> Draft<'a> {
         let both: Vec<&Component> = [gear].into_iter().chain(flanks.iter().copied()).collect();
         let model = self.model;
         let near = |kind: &str| -> Vec<&Component> {
-            (both.iter())
-                .flat_map(|c| model.related(&c.id, |k| k == kind))
+            let all = both.iter();
+            all.flat_map(|c| model.related(&c.id, |k| k == kind))
                 .collect()
         };
         let mut fields = Map::new();
         let teeth = self.required(&format!("{name}.teeth"), &both, "number_of_teeth")?;
         fields.insert("teeth".into(), json!(teeth.abs().round() as u64));
-        for row in GEAR.lines().skip(1) {
-            let (field, row) = row.trim().split_once(' ').unwrap_or_default();
-            let (source, names) = row.trim().split_once(' ').unwrap_or_default();
-            let components = match source {
+        for row in GEAR.lines() {
+            let row: Vec<&str> = row.split_whitespace().collect();
+            let [field, source, names @ ..] = &row[..] else {
+                continue;
+            };
+            let components = match *source {
                 "tool" => near("rack_shaped_tool"),
                 "material" => near("material"),
                 "bored" if gear.kind != "cylindrical_gear" => continue,
@@ -440,19 +415,18 @@ impl<'a> Draft<'a> {
             };
             if let Some(value) = self.number(&format!("{name}.{field}"), &components, names)? {
                 // Diameters of a ring may be negative.
-                let is_length = field.ends_with("_mm") && source != "bored";
+                let is_length = field.ends_with("_mm") && *source != "bored";
                 let value = if is_length { value.abs() } else { value };
-                if source != "bored" || value > 0.0 {
-                    fields.insert(field.into(), json!(value));
+                if *source != "bored" || value > 0.0 {
+                    fields.insert((*field).into(), json!(value));
                 }
             }
         }
         let mut measured = None;
         for row in MEASURES.lines().skip(1) {
             let row: Vec<&str> = row.split_whitespace().collect();
-            let value = self.number("", &both, row[1])?;
-            let size = self.number("", &both, row[3])?;
-            if let (None, Some(value), Some(size)) = (&measured, value, size) {
+            let [value, size] = [1, 3].map(|i| self.number("", &both, &row[i..=i]));
+            if let (None, Some(value), Some(size)) = (&measured, value?, size?) {
                 let size = match row[2] {
                     "span_teeth" => json!(size.abs() as u64),
                     _ => json!(size),
@@ -463,36 +437,36 @@ impl<'a> Draft<'a> {
         }
         let settings = near("cylindrical_gear_manufacturing_settings");
         let attribute = "generated_addendum_modification_coefficient";
-        let generated = self.number("", &settings, attribute)?;
-        match (measured, generated) {
-            (Some(measured), _) => self.taken.push(measured),
+        match (measured, self.number("", &settings, &[attribute])?) {
+            (Some(measured), _) => self.note("taken", measured),
             (None, Some(x)) => {
                 let s = module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * alpha.to_radians().tan());
                 let field = "normal_tooth_thickness_mm";
                 fields.insert(field.into(), json!(rounded(s)));
-                self.taken.push(format!("{name}.{field} from {attribute}"));
+                self.note("taken", format!("{name}.{field} from {attribute}"));
             }
-            (None, None) => self.assumed.push(format!(
-                "{name}: teeth of the thickness that profile shift and centre distance leave"
-            )),
+            (None, None) => self.note(
+                "assumed",
+                format!(
+                    "{name}: teeth of the thickness that profile shift and centre distance leave"
+                ),
+            ),
         }
         for (field, default) in DEFAULTS {
             let has = |field| fields.contains_key(field);
             let follows = field == "dedendum_coefficient" && has("root_diameter_mm");
             if !has(field) && !follows {
-                self.assumed.push(format!("{name}.{field} = {default}"));
+                self.note("assumed", format!("{name}.{field} = {default}"));
             }
         }
-        let [left, right] = [
-            self.flank(name, gear, "left")?,
-            self.flank(name, gear, "right")?,
-        ];
+        let [left, right] = ["left", "right"].map(|side| self.flank(name, gear, side));
+        let (left, right) = (left?, right?);
         if left == right {
             fields.extend(left);
         } else {
-            self.assumed.push(format!("{name}: the left flank is the drive flank; turn the two if the stage is driven the other way"));
-            fields.insert("drive_flank".into(), Value::Object(left));
-            fields.insert("coast_flank".into(), Value::Object(right));
+            self.note("assumed", format!("{name}: the left flank is the drive flank; turn the two if the stage is driven the other way"));
+            fields.insert("drive_flank".into(), left.into());
+            fields.insert("coast_flank".into(), right.into());
         }
         Ok(fields)
     }
@@ -505,124 +479,99 @@ impl<'a> Draft<'a> {
         side: &str,
     ) -> Result<Map<String, Value>, Error> {
         let model = self.model;
-        let flanks = model
-            .relations
-            .iter()
-            .filter(|r| r.kind == "flank" && r.names(&gear.id));
         let mut fields = Map::new();
-        let Some(flank) =
-            (flanks.filter_map(|r| r.role(side)).next()).and_then(|id| model.component(id))
-        else {
+        let of_flank = |r: &&Relation| r.kind == "flank" && r.names(&gear.id);
+        let mut flanks = model.relations.iter().filter(of_flank);
+        let Some(flank) = flanks.find_map(|r| model.component(r.role(side)?)) else {
             return Ok(fields);
         };
-        let is_other = |kind: &str| {
-            let words = ["relief", "modification", "deviation", "profile_twist"];
-            words.iter().any(|word| kind.contains(word)) && !MODIFICATIONS.contains(&kind)
-        };
-        for Component { id, kind, .. } in model.related(&flank.id, is_other) {
-            self.left
-                .push(format!("{kind} {id} of the flank {}", flank.id));
-        }
-        for c in model.related(&flank.id, |kind| MODIFICATIONS.contains(&kind)) {
+        for c in model.related(&flank.id, |_| true) {
             let Component { id, kind, .. } = c;
-            // Their sign depends on which face and flank they count from.
-            if kind.ends_with("slope") {
-                let flank = &flank.id;
-                self.left.push(format!(
-                    "{kind} {id} of the flank {flank}: enter it with the sign of docs/pair-file.md"
-                ));
-            } else if let Some((field, value)) = self.modification(&format!("{name}.{kind}"), c)? {
+            let left = format!("{kind} {id} of the flank {}", flank.id);
+            let words = ["relief", "modification", "deviation", "profile_twist"];
+            if let Some((field, value)) = self.modification(&format!("{name}.{kind}"), c)? {
                 fields.insert(field.into(), value);
-                self.taken.push(format!("{name}.{field} from {kind} {id}"));
+                self.note("taken", format!("{name}.{field} from {kind} {id}"));
+            } else if ["profile_slope", "helix_slope"].contains(&&**kind) {
+                // Its sign depends on which face and flank it counts from.
+                let line = format!("{left}: enter it with the sign of docs/pair-file.md");
+                self.note("left", line);
+            } else if words.iter().any(|word| kind.contains(word)) {
+                self.note("left", left);
             }
         }
         Ok(fields)
     }
 
-    /// Field and value of the modification `c`; none where its amount is not given.
+    /// Field and value of the modification `c`; none of another kind, and where its amount is not given.
     fn modification(
         &mut self,
         path: &str,
         c: &'a Component,
     ) -> Result<Option<(&'a str, Value)>, Error> {
-        let mut mm = |name: String| self.number("", &[c], &name);
-        let (field, mut value) = match &*c.kind {
-            kind @ ("tip_relief" | "root_relief") => {
-                let depth = mm(format!("{kind}_depth"))?;
-                let diameter = mm(format!("{kind}_datum_diameter"))?;
-                let length = mm(format!("{kind}_datum_length"))?.filter(|_| kind == "tip_relief");
+        let kind = &*c.kind;
+        let mut mm = |name: &str| self.number("", &[c], &[name]);
+        let (field, depth, mut value, assumed) = match kind {
+            "profile_crowning" | "helix_crowning" => {
+                let (field, ends) = match kind {
+                    "profile_crowning" => ("profile_crowning_um", ["at_root", "at_tip"]),
+                    _ => (
+                        "lead_crowning_um",
+                        ["amount_datum_face", "amount_non_datum_face"],
+                    ),
+                };
+                let [a, b] = ends.map(|end| mm(&format!("{kind}_{end}")));
+                let [a, b] = [a?, b?].map(|mm| um(mm.unwrap_or(0.0)));
+                if a != b {
+                    let line = format!("{path}: the mean of {a} and {b} um at its two ends");
+                    self.note("assumed", line);
+                }
+                return Ok(Some((field, json!(rounded(0.5 * (a + b))))));
+            }
+            "tip_relief" | "root_relief" => {
+                let diameter = mm(&format!("{kind}_datum_diameter"))?;
+                let length = mm(&format!("{kind}_datum_length"))?.filter(|_| kind == "tip_relief");
                 let start = match (diameter, length) {
                     (Some(d), _) => json!({ "diameter_mm": d.abs() }),
                     (None, Some(length)) => json!({ "from_tip_mm": length }),
                     (None, None) => json!("pitch_point"),
                 };
-                if depth.is_some() && start.is_string() {
-                    let line = format!("{path}: starts at the pitch point");
-                    self.assumed.push(line);
-                }
-                (kind, json!({ "amount_um": depth.map(um), "start": start }))
+                let assumed = start.is_string().then_some("starts at the pitch point");
+                let depth = mm(&format!("{kind}_depth"))?;
+                (kind, depth, json!({ "start": start }), assumed)
             }
-            kind @ ("profile_crowning" | "helix_crowning") => {
-                let (field, ends, places) = match kind {
-                    "profile_crowning" => {
-                        ("profile_crowning_um", ["at_root", "at_tip"], "root and tip")
-                    }
-                    _ => (
-                        "lead_crowning_um",
-                        ["amount_datum_face", "amount_non_datum_face"],
-                        "the two faces",
-                    ),
+            "end_relief_datum_face" | "end_relief_non_datum_face" => {
+                let side = &kind["end_relief_".len()..];
+                let field = match side {
+                    "datum_face" => "lower_end_relief",
+                    _ => "upper_end_relief",
                 };
-                let a = mm(format!("{kind}_{}", ends[0]))?.unwrap_or(0.0);
-                let b = mm(format!("{kind}_{}", ends[1]))?.unwrap_or(0.0);
-                if a != b {
-                    let [a, b] = [a, b].map(um);
-                    let line = format!("{path}: the mean of {a} and {b} um at {places}");
-                    self.assumed.push(line);
-                }
-                return Ok(Some((field, json!(um(0.5 * (a + b))))));
+                let length = mm(&format!("end_relief_length_{side}"))?;
+                let depth = mm(&format!("end_relief_depth_{side}"))?.filter(|_| length.is_some());
+                let assumed = Some("the datum face is that at z = 0");
+                (field, depth, json!({ "length_mm": length }), assumed)
             }
-            // The datum face is taken as the one at z = 0.
-            kind => {
-                let (field, side) = match kind {
-                    "end_relief_datum_face" => ("lower_end_relief", "datum_face"),
-                    _ => ("upper_end_relief", "non_datum_face"),
-                };
-                let depth = mm(format!("end_relief_depth_{side}"))?;
-                let length = mm(format!("end_relief_length_{side}"))?;
-                let (depth, length) = depth.zip(length).unzip();
-                if depth.is_some() {
-                    let line = format!("{path}: the datum face is that at z = 0");
-                    self.assumed.push(line);
-                }
-                (
-                    field,
-                    json!({ "amount_um": depth.map(um), "length_mm": length }),
-                )
-            }
+            _ => return Ok(None),
         };
-        if value["amount_um"].is_null() {
+        let Some(depth) = depth else {
             return Ok(None);
+        };
+        if let Some(assumed) = assumed {
+            self.note("assumed", format!("{path}: {assumed}"));
         }
-        value["shape"] = json!(self.shape(c, path));
-        Ok(Some((field, value)))
-    }
-
-    fn shape(&mut self, component: &Component, path: &str) -> &'static str {
-        let given = component.attribute("shape_of_relief");
-        self.used
-            .extend(given.map(|a| (component.id.clone(), a.id.clone())));
-        match given.map(|a| &*a.value) {
-            Some("linear") => "linear",
-            Some("parabolic") => "parabolic",
-            Some("circular") => "arc",
+        let shape = c.attribute("shape_of_relief").map(|a| &*a.value);
+        value["amount_um"] = json!(um(depth));
+        value["shape"] = match shape.unwrap_or("none") {
+            shape @ ("linear" | "parabolic") => shape,
+            "circular" => "arc",
             other => {
-                let other = other.unwrap_or("none");
-                self.assumed
-                    .push(format!("{path}.shape = linear ({other} in the file)"));
+                let line = format!("{path}.shape = linear ({other} in the file)");
+                self.note("assumed", line);
                 "linear"
             }
         }
+        .into();
+        Ok(Some((field, value)))
     }
 
     /// The file without those of the optional fields that the pair does not fit, each with its reason.
@@ -635,20 +584,23 @@ impl<'a> Draft<'a> {
             };
             let field = &refusal.field;
             let (gear, name) = field.split_once('.').unwrap_or(("", field));
+            let is_optional = OPTIONAL.split(' ').any(|field| field == name);
             let fields = file.get_mut(gear).and_then(Value::as_object_mut);
-            let Some(fields) = fields.filter(|f| OPTIONAL.contains(&name) && f.contains_key(name))
-            else {
+            let fields = fields.filter(|_| is_optional);
+            if fields.and_then(|fields| fields.remove(name)).is_none() {
                 return Err(refusal.into());
-            };
-            fields.remove(name);
-            fields.remove(match name {
-                "span_measurement_mm" => "span_teeth",
-                "dimension_over_balls_mm" => "ball_diameter_mm",
-                _ => "",
+            }
+            file[gear].as_object_mut().map(|fields| {
+                fields.remove(match name {
+                    "span_measurement_mm" => "span_teeth",
+                    "dimension_over_balls_mm" => "ball_diameter_mm",
+                    _ => "",
+                })
             });
-            self.taken.retain(|line| !line.starts_with(field));
-            self.left
-                .push(format!("{field} = {}: {}", refusal.value, refusal.problem));
+            self.notes
+                .retain(|(head, line)| *head != "taken" || !line.starts_with(field));
+            let problem = format!("{field} = {}: {}", refusal.value, refusal.problem);
+            self.note("left", problem);
         }
     }
 }

@@ -3,16 +3,18 @@
 //! An input is the head of a file. Influence matrices of a file that is accepted, as many as the head asks for, stand behind
 //! it, and its checksum is put right.
 
-use gearmesh_preprocessor::contact::contact_file;
+use gearmesh_preprocessor::contact::{condensed_roots, contact_file};
 use gearmesh_preprocessor::pair;
 use std::sync::{Arc, LazyLock};
 
-use gearmesh::contact::{CondensedFlank, ContactFile, ContactSettings, ContactSolver, Warm};
+use gearmesh::contact::{
+    CondensedFlank, CondensedRoots, ContactFile, ContactSettings, ContactSolver, Warm,
+};
 use gearmesh::fmi::resources::Resources;
 use gearmesh::gear::{Flank, Microgeometry, OwnFlank, Topography};
 use gearmesh::pair::Refinement;
 use gearmesh::sealed;
-use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings, pair_root_stress};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -48,7 +50,7 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
     let (rolls, zs) = (vec![5e-3, 10e-3, 15e-3, 20e-3], vec![0.0, 10e-3, 25e-3]);
     let line = |i: i32| (0..3).map(|j| 1e-6 * f64::from(i * j)).collect();
     let measured = Topography::new(rolls, zs, (0..4).map(line).collect());
-    let measured = Some(Arc::new(measured.expect("a grid")));
+    let measured = Some(measured.expect("a grid"));
     helical.microgeometry.drive[1].topography = measured.clone();
     let own = Microgeometry {
         topography: measured,
@@ -61,7 +63,7 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
     let text = include_str!("../../resources/pairs/planet-ring-27-84.json");
     let mut ring = pair::from_json(text).expect("a shipped pair");
     ring.operating.center_distance_offset = [0.0; 2];
-    [helical, ring].map(|mut pair| {
+    [(helical, false), (ring, true)].map(|(mut pair, root_stress)| {
         pair.refinement = Refinement::Coarse;
         let settings = ContactSettings {
             stations: 4,
@@ -70,8 +72,16 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
         let elements = Settings::for_pair(&pair);
         let models = PairCompliance::new(&pair.geometry, &elements, None, &|_, _, _| true);
         let [first, second] = models.expect("elastic models").gears;
-        let solver = ContactSolver::new(&pair, [first, second], settings);
-        contact_file(&pair, &solver.expect("a solver")).expect("a contact")
+        let solver = ContactSolver::new(&pair, [first, second], settings).expect("a solver");
+        let mut file = contact_file(&pair, &solver).expect("a contact");
+        if root_stress {
+            let drive = Flank::Drive;
+            let models = pair_root_stress(&pair.geometry, drive, &elements, None, &|_, _, _| true);
+            let models = models.expect("fillets").map(|(model, _)| model);
+            let roots = condensed_roots(&solver, drive, &models).expect("stations");
+            Arc::make_mut(&mut file.drive).roots = Some(roots);
+        }
+        file
     })
 });
 
@@ -99,6 +109,10 @@ pub fn check(data: &[u8]) -> bool {
             ("stiffnessModel", 3.0),
             ("centerDistanceEffect", 1.0),
             ("misalignmentEffect", 1.0),
+            (
+                "rootStress",
+                f64::from(u8::from(file.drive.roots.is_some())),
+            ),
         ];
         let unit = unit("contact", file.setup.geometry.clone(), &starts);
         if let Ok(resources) = Resources::new(unit, None, Some(file)) {
@@ -112,7 +126,11 @@ fn values(head: &[u8]) -> Option<Vec<u8>> {
     let head: Value = serde_json::from_slice(head).ok()?;
     let count = |flank: &Value| {
         let flank = CondensedFlank::deserialize(flank).ok()?;
-        flank.value_count().filter(|count| *count < 1 << 20)
+        let roots = flank.roots.iter().flatten();
+        let counts = roots.map(CondensedRoots::value_count);
+        let counts: Option<Vec<usize>> = counts.chain([flank.value_count()]).collect();
+        let small = |count: &usize| *count < 1 << 20;
+        Some(counts?.into_iter().filter(small).sum())
     };
     let counts = [&head["drive"], &head["coast"]].map(|flank| match flank {
         Value::Null => 0,
@@ -129,6 +147,7 @@ fn solve(file: &ContactFile) {
         let Some(contact) = file.flank(flank) else {
             continue;
         };
+        let contact = contact.with_root_stress();
         let mut warm = Warm::default();
         for i in 0..12 {
             let [a, b, c] = [3, 5, 7].map(|prime| f64::from(i % prime) / f64::from(prime - 1));

@@ -39,8 +39,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     })
 }
 
-/// Whether [`write_whole`] could write `path` now, so that this is known before the work whose result it shall
-/// take.
+/// Whether [`write_whole`] could write `path` now, so that this is known before the work whose result it shall take.
 ///
 /// # Errors
 /// What the system says.

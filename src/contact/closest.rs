@@ -153,8 +153,8 @@ impl<'a> Flanks<'a> {
         let mut fall = self.at.slope.abs();
         for (i, m) in self.microgeometry.iter().enumerate() {
             let steepness = (m.topography.as_ref()).map_or(0.0, |t| t.steepness(self.z[i]));
-            let slope = m.slope(&self.geometry.gears[i], self.at.roll[i], self.z[i]);
-            fall += self.per_cos * self.roll_by_s[i].abs() * (2.0 * steepness + slope.abs());
+            let piece = m.profile(&self.geometry.gears[i], self.at.roll[i], self.z[i]);
+            fall += self.per_cos * self.roll_by_s[i].abs() * (2.0 * steepness + piece.slope.abs());
         }
         let room = 2.0 * fall / self.curvature;
         let [low, high] = self.range();
@@ -210,8 +210,10 @@ impl<'a> Flanks<'a> {
         for (i, m) in self.microgeometry.iter().enumerate() {
             let by_s = self.roll_by_s[i];
             let by = by_s * TOPOGRAPHY_OVER_RADIUS / self.curvature;
-            profile.slope += by_s * m.smooth_slope(&self.geometry.gears[i], rolls[i], self.z[i]);
-            profile.curvature += by_s * by_s * m.smooth_curvature(rolls[i], self.z[i], by);
+            let gear = &self.geometry.gears[i];
+            let [slope, curvature] = m.smooth_slopes(gear, rolls[i], self.z[i], by);
+            profile.slope += by_s * slope;
+            profile.curvature += by_s * by_s * curvature;
             for relief in m.reliefs() {
                 let kink = relief.piece(relief.start_roll);
                 let at = (relief.start_roll - rolls[i]) / by_s;

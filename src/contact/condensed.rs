@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::candidates::SegmentName;
 use super::error::ContactError;
 use super::influence::Influence;
+use super::root_stress::CondensedRoots;
 use super::setup::ContactSetup;
 use super::solver::ContactSolver;
 use crate::accuracy::InterpolationError;
@@ -38,6 +39,9 @@ pub struct CondensedFlank {
     pub pairs: usize,
     /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair under its own load.
     pub shares: [f64; 2],
+    /// Stress in the tooth roots of gear 1 and gear 2; `None`: it was not computed.
+    #[serde(default)]
+    pub roots: Option<[CondensedRoots; 2]>,
     /// Node by node, offsets outside: influence matrix over (tooth pair, station), lower triangle row by row, m/N, then the
     /// reference lengths of gear 1 and gear 2, m. Zero for segments that are not there.
     #[serde(skip)]
@@ -103,6 +107,7 @@ impl CondensedFlank {
             stations: solver.settings().stations,
             first_pair,
             shares: solver.tooth_shares(flank)?,
+            roots: None,
             pairs: pairs()
                 .max()
                 .map_or(0, |last| (last - first_pair + 1) as usize),
@@ -330,9 +335,16 @@ struct Head {
 impl ContactFile {
     /// The bytes of the file.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let bare = |flank: &CondensedFlank| CondensedFlank {
-            values: Vec::new(),
-            ..flank.clone()
+        let bare = |flank: &CondensedFlank| {
+            let bare = |roots: &CondensedRoots| CondensedRoots {
+                values: Vec::new(),
+                ..roots.clone()
+            };
+            CondensedFlank {
+                roots: flank.roots.as_ref().map(|roots| roots.each_ref().map(bare)),
+                values: Vec::new(),
+                ..flank.clone()
+            }
         };
         let head = Head {
             setup: (*self.setup).clone(),
@@ -347,7 +359,10 @@ impl ContactFile {
             .into_iter()
             .flatten()
         {
-            bytes.extend(flank.values.iter().flat_map(|value| value.to_le_bytes()));
+            let roots = flank.roots.iter().flatten();
+            for values in [&flank.values].into_iter().chain(roots.map(|r| &r.values)) {
+                bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+            }
         }
         sealed::seal(MAGIC, &bytes)
     }
@@ -376,13 +391,19 @@ impl ContactFile {
                     flank.stations
                 ));
             }
-            flank.values = rest
-                .by_ref()
-                .take(count)
-                .map(|v| f32::from_le_bytes([v[0], v[1], v[2], v[3]]))
-                .collect();
-            if flank.values.len() != count || flank.values.iter().any(|v| !v.is_finite()) {
-                return Err(format!("{count} finite values of a flank are not there"));
+            let mut fill = |values: &mut Vec<f32>, count: usize| {
+                let next = rest.by_ref().take(count);
+                values.extend(next.map(|v| f32::from_le_bytes([v[0], v[1], v[2], v[3]])));
+                match values.len() == count && values.iter().all(|v| v.is_finite()) {
+                    true => Ok(()),
+                    false => Err(format!("{count} finite values of a flank are not there")),
+                }
+            };
+            fill(&mut flank.values, count)?;
+            for roots in flank.roots.iter_mut().flatten() {
+                let suits = |_: &usize| roots.stations == stations;
+                let count = (roots.value_count().filter(suits)).ok_or("roots without points")?;
+                fill(&mut roots.values, count)?;
             }
             Ok(Arc::new(flank))
         };

@@ -18,6 +18,7 @@ use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
 use super::position::{Limits, PositionProblem};
 use super::result::Tangent;
+use super::root_stress::StationLoad;
 use super::setup::ContactSetup;
 use super::transverse::{PairNumbers, TransverseSection};
 use crate::friction::{Sliding, SlidingSums};
@@ -35,6 +36,9 @@ pub struct ContactPotential {
     pub tangent: Tangent,
     /// How the load slides; zero unless [`RuntimeContact::with_friction`] asks for it.
     pub sliding: Sliding,
+    /// Largest principal stress in the tooth roots of gear 1 and gear 2, Pa; zero unless [`RuntimeContact::with_root_stress`] asks
+    /// for it.
+    pub root_stress: [f64; 2],
     /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, segments in reach that they do not
     /// hold, or a pressure that no flank carries.
     pub out_of_range: bool,
@@ -50,6 +54,7 @@ pub struct RuntimeContact {
     /// `None`: all teeth are alike.
     teeth: Option<Arc<Passing>>,
     friction: Option<SlidingSums>,
+    root_stress: bool,
 }
 
 /// Forces of the last solve, from which the next one starts: saves Newton steps, changes the solution by rounding alone.
@@ -110,6 +115,7 @@ impl RuntimeContact {
             condensed,
             flank,
             friction: None,
+            root_stress: false,
         }
     }
 
@@ -118,6 +124,13 @@ impl RuntimeContact {
     pub fn with_friction(mut self) -> Self {
         let law = self.setup.friction.as_ref();
         self.friction = law.map(|law| SlidingSums::new(&self.setup.geometry, law));
+        self
+    }
+
+    /// The same with the stress in the tooth roots; it stays zero where the condensed model has none.
+    #[must_use]
+    pub fn with_root_stress(mut self) -> Self {
+        self.root_stress = true;
         self
     }
 
@@ -188,6 +201,7 @@ impl RuntimeContact {
             gradient: [force, by_offset, moment, by_tau],
             tangent,
             sliding,
+            root_stress: self.root_stress(segments, &solution.force),
             out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || missing,
         })
     }
@@ -239,6 +253,29 @@ impl RuntimeContact {
             }
         }
         Ok((energy, slopes))
+    }
+
+    /// Stress in the tooth roots under the normal forces `forces` on `segments`.
+    fn root_stress(&self, segments: &[Candidate], forces: &DVector<f64>) -> [f64; 2] {
+        let Some(roots) = self.condensed.roots.as_ref().filter(|_| self.root_stress) else {
+            return [0.0; 2];
+        };
+        let geometry = &self.setup.geometry;
+        std::array::from_fn(|i| {
+            let loaded = segments
+                .iter()
+                .zip(forces)
+                .filter(|(_, force)| **force > 0.0);
+            let loads = loaded.map(|(segment, force)| StationLoad {
+                tooth: [segment.tooth_pair, -segment.tooth_pair][i],
+                station: segment.station,
+                z: segment.z,
+                roll: segment.roll[i],
+                force: *force,
+            });
+            let mirrored = geometry.is_mirrored(self.flank, i);
+            roots[i].largest(geometry, i, mirrored, &loads.collect::<Vec<_>>())
+        })
     }
 
     fn near(&self, section: &TransverseSection, pose: Pose) -> Vec<Candidate> {

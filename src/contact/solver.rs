@@ -326,6 +326,18 @@ impl ContactSolver {
             .collect())
     }
 
+    /// The stations along the face as gear 1 and gear 2 see them where tooth pair 0 touches at the pitch point at mid-face.
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    pub fn stations(&self, flank: Flank) -> Result<Vec<[Segment; 2]>, ContactError> {
+        let section = self.section(0.0)?;
+        let lines = ContactLines::new(&self.setup, &section, flank);
+        let stations = 0..self.setup.settings.stations;
+        let seen = |station| lines.seen_by_gears(0.0, 0, lines.station(station), true);
+        Ok(stations.map(seen).collect())
+    }
+
     /// Influence of whole segments at the mesh position `tau` in [0, 1), those up to `margin` (base pitches) beyond the reach of
     /// contact, too.
     pub(super) fn influence(

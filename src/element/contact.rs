@@ -271,7 +271,7 @@ impl<T: Scalar> Solution<T> {
         let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
         let mut slopes = Coordinates::default();
-        let mut sliding = [None; 2];
+        let (mut sliding, mut root_stress) = ([None; 2], [zero; 2]);
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
@@ -298,6 +298,12 @@ impl<T: Scalar> Solution<T> {
             let s = flank.sign;
             flank.elastic = elastic;
             sliding[i] = response.sliding;
+            for (largest, found) in root_stress
+                .iter_mut()
+                .zip(response.root_stress.into_iter().flatten())
+            {
+                *largest = larger(*largest, found * mesh.factor);
+            }
             flank.arm = response.gradient[2] / response.gradient[0];
             flank.energy = response.energy * mesh.factor;
             flank.stiffness = response.stiffness * mesh.factor * scale;
@@ -350,10 +356,9 @@ impl<T: Scalar> Solution<T> {
         if let Some(carried) = &pose.carried {
             carried.add_elastic_loads(k, &flanks, &mut loads);
         }
-        let root_stress = match &el.root_stress {
-            Some(table) => root_stress(table, k, c, &flanks),
-            None => [zero; 2],
-        };
+        if let Some(table) = &el.root_stress {
+            root_stress = tabulated_root_stress(table, k, c, &flanks);
+        }
         let shown = &flanks[index];
         let reference = &flanks[el.reference_flank];
         let (contact_point, contact_z) = match &pose.carried {
@@ -418,7 +423,7 @@ fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (u
 ///
 /// Apart from the loads, which most FMUs compute alone.
 #[inline(never)]
-fn root_stress<T: Scalar>(
+fn tabulated_root_stress<T: Scalar>(
     table: &Table,
     k: &Constants,
     center_distance: T,
@@ -436,13 +441,15 @@ fn root_stress<T: Scalar>(
         let q = load.table_coordinates(table.effects(), offset, mirrored);
         let jets: [LoadJet; 2] = stress.evaluate(q.map(T::re));
         for (largest, jet) in largest.iter_mut().zip(&jets) {
-            let here = lift(jet.value, &jet.gradient, &q);
-            if here.re() > largest.re() {
-                *largest = here;
-            }
+            *largest = larger(*largest, lift(jet.value, &jet.gradient, &q));
         }
     }
     largest
+}
+
+#[inline]
+fn larger<T: Scalar>(a: T, b: T) -> T {
+    if b.re() > a.re() { b } else { a }
 }
 
 /// How far the gears are in mesh: factor on the potential and its slopes.

@@ -81,17 +81,23 @@ pub(crate) struct Law {
     coordinate_factors: [f64; COORDINATES],
     /// Likewise on the gradient.
     gradient_factors: [f64; COORDINATES],
-    /// Whether its source finds how the load slides.
-    slides: bool,
+    /// Whether its source finds [`Extras`] that are asked for: sliding, root stress.
+    finds: [bool; 2],
     /// -1 on axial positions of a mirrored flank.
     axial_factor: f64,
 }
 
-/// Potential of a source, and how its load slides where the source finds that itself.
+/// What a source may find beside the potential: share, axial share (m), distance (m) and weight of [`Sliding`], and the stress in the
+/// roots of gear 1 and gear 2, Pa.
+type Extras<T> = [T; 6];
+
+/// Potential of a source and its extras.
 #[derive(Default)]
 struct Answer {
     potential: Potential,
-    sliding: Sliding,
+    extras: Extras<f64>,
+    /// Slopes of the extras by each coordinate, as far as second derivatives of the potential brought them along.
+    slopes: [Option<Extras<f64>>; COORDINATES],
 }
 
 /// Derivatives of the potential, as numbers that carry derivatives on.
@@ -104,6 +110,8 @@ pub(crate) struct Response<T> {
     pub stiffness: T,
     /// Share, axial share (m), distance (m) and weight of [`Sliding`]; `None`: they stand in a table, or friction is off.
     pub sliding: Option<[T; 4]>,
+    /// Stress in the roots of gear 1 and gear 2, Pa; `None`: it stands in a table, or is off.
+    pub root_stress: Option<[T; 2]>,
     /// A coordinate lies outside the table.
     pub out_of_range: bool,
 }
@@ -126,7 +134,10 @@ impl Law {
             },
             coordinate_factors: [1.0, by_distance, if_on(effects.misalignment, sign), 1.0],
             gradient_factors: [1.0, by_distance, if_on(effects.shuttling, sign), 1.0],
-            slides: effects.friction && matches!(source, Source::Teeth(..) | Source::Contact(_)),
+            finds: [
+                effects.friction && matches!(source, Source::Teeth(..) | Source::Contact(_)),
+                effects.root_stress && matches!(source, Source::Contact(_)),
+            ],
             axial_factor: sign,
             source,
         }
@@ -152,6 +163,9 @@ impl Law {
         let mut contact = own.or_else(|| file.flank(Flank::Drive))?;
         if effects.friction {
             contact = contact.with_friction();
+        }
+        if effects.root_stress {
+            contact = contact.with_root_stress();
         }
         Some(Self::new(
             Source::Contact(Arc::new(contact)),
@@ -185,10 +199,8 @@ impl Law {
             *q = *q * factor;
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let Answer {
-            potential: w,
-            sliding,
-        } = self.answer(at, counts, T::CARRIES, warm)?;
+        let answer = self.answer(at, counts, T::CARRIES, warm)?;
+        let w = &answer.potential;
         let mut gradient = q;
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q) * self.gradient_factors[i];
@@ -200,12 +212,16 @@ impl Law {
         } else {
             [f64::NAN; COORDINATES]
         };
-        let sliding = match self.slides && w.gradient[0] > 0.0 {
-            true => Some(self.lift_sliding(sliding.to_array(), at, &q, counts, warm)?),
-            false => None,
-        };
+        let (mut sliding, mut root_stress) = (None, None);
+        if self.finds != [false; 2] && w.gradient[0] > 0.0 {
+            let [share, axial, distance, weight, first, second] =
+                self.lift_extras(&answer, at, &q, counts, warm)?;
+            sliding = self.finds[0].then_some([share, axial, distance, weight]);
+            root_stress = self.finds[1].then_some([first, second]);
+        }
         Ok(Response {
             sliding,
+            root_stress,
             energy: lift(w.value, &w.gradient, &q),
             gradient,
             stiffness: lift(w.hessian[0][0], &slopes, &q),
@@ -218,28 +234,32 @@ impl Law {
         [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
     }
 
-    /// `sliding` at the coordinates `at`, which are those of `q`, with its slopes by differences where `q` carries derivatives.
+    /// The extras of `answer` with their slopes, those that are not known by differences, where `q`, the numbers of the coordinates
+    /// `at`, carries derivatives.
     #[inline(never)]
-    fn lift_sliding<T: Scalar>(
+    fn lift_extras<T: Scalar>(
         &self,
-        sliding: [f64; 4],
+        answer: &Answer,
         at: [f64; COORDINATES],
         q: &[T; COORDINATES],
         counts: Counts,
         warm: &mut Warm,
-    ) -> Result<[T; 4], ElementError> {
+    ) -> Result<Extras<T>, ElementError> {
         // By quantity and coordinate.
-        let mut slopes = [[0.0; COORDINATES]; 4];
+        let mut slopes = [[0.0; COORDINATES]; 6];
         for axis in (0..COORDINATES).filter(|_| T::CARRIES) {
-            let by_axis = central_difference(at, axis, STEP[axis], |x| {
-                let there = self.answer(x, counts, false, warm)?;
-                Ok::<_, ElementError>(there.sliding.to_array())
-            })?;
+            let by_axis = match answer.slopes[axis] {
+                Some(slopes) => slopes,
+                None => central_difference(at, axis, STEP[axis], |x| {
+                    let there = self.answer(x, counts, false, warm)?;
+                    Ok::<_, ElementError>(there.extras)
+                })?,
+            };
             for (slopes, slope) in slopes.iter_mut().zip(by_axis) {
                 slopes[axis] = slope;
             }
         }
-        let mut lifted: [T; 4] = std::array::from_fn(|i| lift(sliding[i], &slopes[i], q));
+        let mut lifted: Extras<T> = std::array::from_fn(|i| lift(answer.extras[i], &slopes[i], q));
         lifted[1] = lifted[1] * self.axial_factor;
         Ok(lifted)
     }
@@ -275,7 +295,11 @@ impl Law {
                     return Ok(Answer::default());
                 };
                 let (potential, sliding) = teeth.evaluate_sliding(&query, counts, want_hessian);
-                return Ok(Answer { potential, sliding });
+                return Ok(Answer {
+                    potential,
+                    extras: extras(sliding, [0.0; 2]),
+                    ..Answer::default()
+                });
             }
             Source::Contact(contact) => {
                 let found = contact_answer(contact, at, counts, want_hessian, warm);
@@ -322,13 +346,13 @@ impl Law {
 /// Steps of central differences by approach, centre distance, misalignment and mesh position.
 const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
 
-/// Slopes of the four numbers `f` by the coordinate `axis`.
-fn central_difference<E>(
+/// Slopes of the numbers `f` by the coordinate `axis`.
+fn central_difference<const K: usize, E>(
     at: [f64; COORDINATES],
     axis: usize,
     step: f64,
-    mut f: impl FnMut([f64; COORDINATES]) -> Result<[f64; COORDINATES], E>,
-) -> Result<[f64; COORDINATES], E> {
+    mut f: impl FnMut([f64; COORDINATES]) -> Result<[f64; K], E>,
+) -> Result<[f64; K], E> {
     let mut side = |step: f64| {
         let mut x = at;
         x[axis] += step;
@@ -357,25 +381,36 @@ fn contact_answer(
         ..Potential::default()
     };
     out.hessian[0][0] = here.tangent.force_by_approach;
-    let answer = |potential| Answer {
-        potential,
-        sliding: here.sliding,
+    let mut answer = Answer {
+        potential: out,
+        extras: extras(here.sliding, here.root_stress),
+        ..Answer::default()
     };
     if !want_hessian || here.gradient[0] == 0.0 {
-        return Ok(answer(out));
+        return Ok(answer);
     }
-    out.hessian[0][2] = here.tangent.force_by_misalignment;
-    out.hessian[2][0] = here.tangent.force_by_misalignment;
-    out.hessian[2][2] = here.tangent.moment_by_misalignment;
+    let hessian = &mut answer.potential.hessian;
+    hessian[0][2] = here.tangent.force_by_misalignment;
+    hessian[2][0] = here.tangent.force_by_misalignment;
+    hessian[2][2] = here.tangent.moment_by_misalignment;
     for (axis, step) in STEPS {
-        let slopes = central_difference(at, axis, step, |x| {
-            contact.potential(x, counts, warm).map(|w| w.gradient)
+        let [a, b, c, d, slopes @ ..] = central_difference(at, axis, step, |x| {
+            let w = contact.potential(x, counts, warm)?;
+            let [a, b, c, d] = w.gradient;
+            let [e, f, g, h, i, j] = extras(w.sliding, w.root_stress);
+            Ok::<_, ContactError>([a, b, c, d, e, f, g, h, i, j])
         })?;
-        for (i, slope) in slopes.into_iter().enumerate() {
+        answer.slopes[axis] = Some(slopes);
+        for (i, slope) in [a, b, c, d].into_iter().enumerate() {
             // Both mixed slopes of both axes are found: the last one counts for either.
-            out.hessian[i][axis] = slope;
-            out.hessian[axis][i] = slope;
+            hessian[i][axis] = slope;
+            hessian[axis][i] = slope;
         }
     }
-    Ok(answer(out))
+    Ok(answer)
+}
+
+fn extras(sliding: Sliding, [first, second]: [f64; 2]) -> Extras<f64> {
+    let [share, axial, distance, weight] = sliding.to_array();
+    [share, axial, distance, weight, first, second]
 }

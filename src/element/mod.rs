@@ -78,7 +78,7 @@ pub struct Element {
     laws: [Option<Law>; 2],
     damper: Damper,
     friction: Option<Friction>,
-    /// The table with the stress in the tooth roots, where it is wanted.
+    /// The table with the stress in the tooth roots, where it is on and not found with the loads.
     root_stress: Option<Arc<Table>>,
     /// Force on the line of action that a start pose may have, N.
     largest_force: f64,
@@ -104,16 +104,14 @@ impl Element {
         Self::build(pair, parameters, laws)
     }
 
-    /// The element of `pair` with `parameters` under static contact at run time, that of `file`. Its root stress is that of
-    /// `table` under the same load, for teeth that are alike.
+    /// The element of `pair` with `parameters` under static contact at run time, that of `file`.
     ///
     /// # Errors
-    /// As [`Element::with_laws`]; friction of a file without its law; root stress without a table of it or of teeth that differ.
+    /// As [`Element::with_laws`]; friction of a file without its law; root stress of a file without it.
     pub fn with_contact(
         pair: &PairGeometry,
         parameters: &Parameters,
         file: &ContactFile,
-        table: Option<Arc<Table>>,
     ) -> Result<Self, ElementError> {
         let effects = Effects {
             friction: parameters.friction,
@@ -126,13 +124,14 @@ impl Element {
             None => return Err(TableError::NO_FRICTION_LAW.into()),
             Some(law) => Some(Friction::new(pair, parameters, law, None)),
         };
-        let mut element = Self::build(pair, parameters, [drive?, coast?])?;
-        element.friction = friction;
-        if parameters.root_stress {
-            let differ = !file.setup.teeth.are_alike();
-            element.root_stress = Some(root_stress_table(table, differ)?);
+        let flanks = || file.coast.iter().chain([&file.drive]);
+        if parameters.root_stress && flanks().any(|flank| flank.roots.is_none()) {
+            return Err(TableError::NO_ROOT_STRESS_AT_CONTACT.into());
         }
-        Ok(element)
+        Ok(Self {
+            friction,
+            ..Self::build(pair, parameters, [drive?, coast?])?
+        })
     }
 
     /// The element of `pair` with `parameters`; `table` is needed for [`StiffnessModel::Table`]. A table
@@ -184,14 +183,19 @@ impl Element {
                     ),
                 };
                 let law = law.filter(|_| parameters.friction);
-                let root_stress = match parameters.root_stress {
-                    false => None,
-                    true => {
-                        let teeth = file.teeth.as_ref().filter(|_| effects.teeth);
-                        let differ = teeth.is_some_and(TeethRecord::tells_apart);
-                        Some(root_stress_table(Some(table.clone()), differ)?)
+                let mut root_stress = None;
+                if parameters.root_stress {
+                    let teeth = file.teeth.as_ref().filter(|_| effects.teeth);
+                    if teeth.is_some_and(TeethRecord::tells_apart) {
+                        return Err(ElementError::Parameter {
+                            name: "rootStress",
+                            value: "true".into(),
+                            remedy: "the tables hold the stress of teeth that are alike: set stiffnessModel = contact, remove \
+                                     tooth_errors from the pair file, or set rootStress = false",
+                        });
                     }
-                };
+                    root_stress = Some(table.clone());
+                }
                 Ok(Self {
                     friction: law.map(|law| Friction::new(pair, parameters, &law, sliding)),
                     root_stress,
@@ -320,20 +324,6 @@ impl Element {
         }
         Ok(passed)
     }
-}
-
-/// `table` for the stress in the tooth roots; `differ`: of teeth that differ.
-/// Errors: there is none, or teeth differ: its stress is that of loads that teeth alike share.
-fn root_stress_table(table: Option<Arc<Table>>, differ: bool) -> Result<Arc<Table>, ElementError> {
-    if differ {
-        return Err(ElementError::Parameter {
-            name: "rootStress",
-            value: "true".into(),
-            remedy: "the tables hold the stress of teeth that are alike: set stiffnessModel = table, remove tooth_errors from \
-                     the pair file, or set rootStress = false",
-        });
-    }
-    table.ok_or_else(|| TableError::NO_ROOT_STRESS.into())
 }
 
 /// Multiple of the nominal force that teeth of constant stiffness may start with.

@@ -128,20 +128,15 @@ impl Resources {
     /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
-        let needs_table = match parameters.stiffness_model {
-            StiffnessModel::Table | StiffnessModel::Teeth => true,
-            StiffnessModel::Contact => parameters.root_stress,
-            StiffnessModel::Constant => false,
-        };
+        let model = parameters.stiffness_model;
+        if let (StiffnessModel::Contact, Some(contact)) = (model, &self.contact) {
+            return Ok(Element::with_contact(geometry, parameters, contact)?);
+        }
+        let needs_table = matches!(model, StiffnessModel::Table | StiffnessModel::Teeth);
         let effects = parameters.table_effects(geometry);
         let file = self.tables.as_ref().filter(|_| needs_table);
         let table = file.map(|file| self.table(file, effects)).transpose();
         let table = table.map_err(ElementError::from)?;
-        if let (StiffnessModel::Contact, Some(contact)) =
-            (parameters.stiffness_model, &self.contact)
-        {
-            return Ok(Element::with_contact(geometry, parameters, contact, table)?);
-        }
         Ok(Element::new(geometry, parameters, table)?)
     }
 

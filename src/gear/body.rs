@@ -55,19 +55,19 @@ impl Body {
     pub fn shaft(stubs: [Stub; 2], face_width: f64) -> Body {
         let [low, high] = stubs;
         let whole = [-low.length, face_width + high.length];
-        let thick = match low.radius > high.radius {
-            true => [whole[0], face_width],
-            false => [0.0, whole[1]],
-        };
-        let radii = match stubs.map(|stub| stub.length > 0.0) {
-            [true, false] => [low.radius; 2],
-            [false, true] => [high.radius; 2],
-            _ => [low.radius.max(high.radius), low.radius.min(high.radius)],
+        let (thin, thick) = match stubs.map(|stub| stub.length > 0.0) {
+            [true, false] => (low.radius, low.radius),
+            [false, true] => (high.radius, high.radius),
+            _ => (low.radius.min(high.radius), low.radius.max(high.radius)),
         };
         Body {
-            rim_radius: radii[0],
-            web: if radii[0] == radii[1] { whole } else { thick },
-            hub_radius: radii[1],
+            rim_radius: thick,
+            web: match low.radius > high.radius {
+                _ if thick == thin => whole,
+                true => [whole[0], face_width],
+                false => [0.0, whole[1]],
+            },
+            hub_radius: thin,
             hub: whole,
             held_ends: stubs.map(|stub| stub.held),
         }
@@ -133,15 +133,11 @@ impl Gear {
 
     /// The gear turned end for end, where its body is another one then.
     pub fn turned(&self) -> Option<Gear> {
-        (!self.has_symmetric_body()).then(|| Gear {
-            body: self.body.map(|body| body.mirrored(self.face_width)),
+        let body = self.body.filter(|b| !b.is_symmetric(self.face_width))?;
+        Some(Gear {
+            body: Some(body.mirrored(self.face_width)),
             ..self.clone()
         })
-    }
-
-    /// Whether the body is the same from both ends of the face.
-    pub fn has_symmetric_body(&self) -> bool {
-        self.body.is_none_or(|b| b.is_symmetric(self.face_width))
     }
 
     /// Displacement of the teeth along the line of action per force there that the body causes between them and where it is
@@ -174,8 +170,7 @@ impl Gear {
             let ([inner, outer], [low, high]) = (ring.radii, ring.z);
             (inner.powi(-2) - outer.powi(-2)) / (4.0 * PI * shear_modulus * (high - low))
         });
-        let shear: f64 = shear.sum();
-        torsion + shear
+        torsion + shear.sum::<f64>()
     }
 
     /// Displacement of the teeth along the line of action per force there that a web and a foundation add to the
@@ -197,17 +192,12 @@ impl Gear {
             let middle = 0.5 * self.face_width;
             let arms = [middle - body.hub[0], body.hub[1] - middle];
             // A cantilever; between two held ends the middle does not turn.
-            let ends = 3.0
-                * if body.held_ends == [true; 2] {
-                    4.0
-                } else {
-                    1.0
-                };
+            let is_between = body.held_ends == [true; 2];
+            let factor = if is_between { 12.0 } else { 3.0 };
             let held = (arms.iter().zip(body.held_ends)).filter(|(_, held)| *held);
             let stiffness =
-                held.map(|(arm, _)| ends * self.youngs_modulus * area_moment / arm.powi(3));
-            let stiffness: f64 = stiffness.sum();
-            stiffness.recip()
+                held.map(|(arm, _)| factor * self.youngs_modulus * area_moment / arm.powi(3));
+            stiffness.sum::<f64>().recip()
         });
         let foundation = self.foundation.map_or(0.0, |stiffness| {
             let area = 2.0 * PI * self.held_radius * self.face_width;
@@ -222,7 +212,7 @@ impl Gear {
 mod tests {
     use super::*;
     use crate::gear::samples;
-    use approx::assert_relative_eq;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
 
     fn webbed() -> Gear {
         Gear {
@@ -240,13 +230,12 @@ mod tests {
     #[test]
     fn mirroring_twice_gives_the_body_back() {
         let body = webbed().body.unwrap();
-        assert!(!webbed().has_symmetric_body());
+        assert!(webbed().turned().is_some());
         let turned = body.mirrored(25e-3);
         assert_eq!(turned.hub, [0.0, 28e-3]);
         let back = turned.mirrored(25e-3);
-        for (a, b) in [(body.web, back.web), (body.hub, back.hub)] {
-            assert!((a[0] - b[0]).abs() < 1e-15 && (a[1] - b[1]).abs() < 1e-15);
-        }
+        assert_abs_diff_eq!(body.web[..], back.web[..], epsilon = 1e-15);
+        assert_abs_diff_eq!(body.hub[..], back.hub[..], epsilon = 1e-15);
         let central = Body {
             web: [10e-3, 15e-3],
             hub: [-5e-3, 30e-3],

@@ -16,9 +16,8 @@ pub enum GearKind {
 
 /// Macrogeometry and material of one gear, SI.
 ///
-/// Public fields are the independent data; everything else is a method. A `Gear` out of
-/// [`crate::pair`] has passed all checks there. Files carry units in the names; those of version 0.1.0 of
-/// packed units have the names without.
+/// Public fields are the independent data; everything else is a method. A `Gear` out of [`crate::pair`] has passed all
+/// checks there. Files carry units in the names; those of version 0.1.0 of packed units have the names without.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {

@@ -1,8 +1,7 @@
 //! Gear geometry: one gear, the pair, and what is taken off its flanks.
 //!
-//! Coordinates of one gear (body frame): origin on the axis in the z = 0 face, z along the axis,
-//! x through a tooth centre at z = 0 (ring: a space centre). A flank has the sign `sigma`: +1 is
-//! the flank that faces the +theta sense.
+//! Coordinates of one gear (body frame): origin on the axis in the z = 0 face, z along the axis, x through a tooth centre
+//! at z = 0 (ring: a space centre). A flank has the sign `sigma`: +1 is the flank that faces the +theta sense.
 
 mod body;
 mod check;
@@ -11,7 +10,6 @@ mod microgeometry;
 mod modification;
 mod pair_geometry;
 mod profile;
-mod ring_fillet;
 #[cfg(test)]
 #[path = "../../tests/common/gears.rs"]
 pub mod samples;

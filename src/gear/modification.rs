@@ -196,11 +196,6 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
 
-    const SHAPES: [ReliefShape; 3] = {
-        use ReliefShape::*;
-        [Linear, Parabolic, Arc]
-    };
-
     fn relief(start_roll: f64, end_roll: f64, shape: ReliefShape) -> ProfileRelief {
         ProfileRelief {
             amount: 8e-6,
@@ -211,24 +206,22 @@ mod tests {
     }
 
     #[test]
-    fn relief_is_zero_before_its_start_and_whole_at_its_end() {
-        for shape in SHAPES {
+    fn relief_is_zero_up_to_its_start_half_or_a_quarter_half_way_and_whole_at_its_end() {
+        use ReliefShape::{Arc, Linear, Parabolic};
+        for (shape, half_way) in [(Linear, 4e-6), (Parabolic, 2e-6), (Arc, 2e-6)] {
             // Tip relief of an external gear, then root relief (or the tip of a ring).
-            for (start, end) in [(10e-3, 14e-3), (10e-3, 6e-3)] {
-                let r = relief(start, end, shape);
-                let before = r.piece(2.0 * start - end);
-                assert_eq!((before.removal, before.slope), (0.0, 0.0));
-                assert_eq!(r.piece(start).removal, 0.0);
-                assert_abs_diff_eq!(r.piece(end).removal, 8e-6, epsilon = 1e-20);
+            for end in [14e-3, 6e-3] {
+                let r = relief(10e-3, end, shape);
+                let removals =
+                    [20e-3 - end, 10e-3, 5e-3 + 0.5 * end, end].map(|x| r.piece(x).removal);
+                assert_abs_diff_eq!(
+                    removals[..],
+                    [0.0, 0.0, half_way, 8e-6][..],
+                    epsilon = 1e-18
+                );
+                assert_eq!(r.piece(20e-3 - end).slope, 0.0);
             }
         }
-    }
-
-    #[test]
-    fn half_way_a_linear_relief_has_half_and_a_parabolic_one_a_quarter() {
-        let half_way = |shape| relief(10e-3, 14e-3, shape).piece(12e-3).removal;
-        assert_abs_diff_eq!(half_way(ReliefShape::Linear), 4e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(half_way(ReliefShape::Parabolic), 2e-6, epsilon = 1e-18);
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::ring_fillet::RingFillet;
 use super::trochoid::Trochoid;
 use super::{Gear, GearKind};
 
@@ -62,8 +61,39 @@ pub enum ProfileError {
 enum Fillet {
     /// Cut by a rack; `upper_end` is its parameter where the involute begins.
     Trochoid { curve: Trochoid, upper_end: f64 },
-    /// Arc of a ring.
-    Arc(RingFillet),
+    /// Arc of a ring, in the space beside the +theta flank.
+    Arc {
+        /// m.
+        radius: f64,
+        /// Polar coordinates of its centre, m and rad.
+        center: [f64; 2],
+        /// Direction from the centre to where it touches the involute, rad.
+        upper_direction: f64,
+    },
+}
+
+/// Fillet of a ring, the length of roll at which it touches the involute, m, and its angle at the root circle, rad; None when
+/// the root circle lies so deep inside that it cannot.
+fn ring_fillet(gear: &Gear) -> Option<(Fillet, f64, f64)> {
+    let rb = gear.base_radius();
+    let radius = gear.tool_tip_radius_coefficient * gear.normal_module;
+    let center_radius = gear.root_radius() - radius;
+    // A parallel to an involute is an involute of the same base circle, its length of roll less by the distance on the
+    // hollow side, where the space is.
+    let center_roll = gear.roll_length(center_radius);
+    let roll = center_roll + radius;
+    let t = roll / rb;
+    let angle = PI / gear.z() - gear.half_base_angle() + t - t.atan();
+    // The flank normal touches the base circle ahead of the flank by atan(t); both the point of contact and the centre
+    // lie on it.
+    let tangent_point = angle + t.atan();
+    let center_angle = tangent_point - (center_roll / rb).atan();
+    let fillet = Fillet::Arc {
+        radius,
+        center: [center_radius, center_angle],
+        upper_direction: tangent_point - FRAC_PI_2,
+    };
+    (!roll.is_nan()).then_some((fillet, roll, center_angle))
 }
 
 /// The generated transverse section of one tooth, symmetric about its centre line.
@@ -96,18 +126,14 @@ impl ToothProfile {
                 let curve = Trochoid::new(gear);
                 let upper_end = curve.upper_end(gear);
                 let end_of_flank = curve.roll_at_flank_end(gear);
-                let form_roll = if end_of_flank >= 0.0 {
-                    end_of_flank
-                } else {
-                    gear.roll_length(curve.cut(upper_end).radius)
+                let form_roll = match end_of_flank >= 0.0 {
+                    true => end_of_flank,
+                    false => gear.roll_length(curve.cut(upper_end).radius),
                 };
                 let fillet = Fillet::Trochoid { curve, upper_end };
                 (fillet, form_roll, curve.root_angle())
             }
-            GearKind::Ring => {
-                let arc = RingFillet::new(gear).ok_or(ProfileError::RootCircle)?;
-                (Fillet::Arc(arc), arc.roll, arc.center[1])
-            }
+            GearKind::Ring => ring_fillet(gear).ok_or(ProfileError::RootCircle)?,
         };
         let profile = ToothProfile {
             gear: gear.clone(),
@@ -158,12 +184,11 @@ impl ToothProfile {
         self.gear.radius_at_roll(self.form_roll)
     }
 
-    /// Whether the rack has cut away the start of the involute, so that fillet and flank meet in a
-    /// corner.
+    /// Whether the rack has cut away the start of the involute, so that fillet and flank meet in a corner.
     pub fn is_undercut(&self) -> bool {
         match self.fillet {
             Fillet::Trochoid { curve, .. } => curve.roll_at_flank_end(&self.gear) < 0.0,
-            Fillet::Arc(_) => false,
+            Fillet::Arc { .. } => false,
         }
     }
 
@@ -178,24 +203,25 @@ impl ToothProfile {
         ProfilePoint::polar(self.gear.radius_at_roll(roll), angle, normal)
     }
 
-    /// Point of the fillet, `t` from 0 at the root circle to 1 at the start of the involute. The
-    /// parameter runs evenly with the angle of the normal on the tool's round (ring: on the arc), so that
-    /// the radius is monotone in it.
+    /// Point of the fillet, `t` from 0 at the root circle to 1 at the start of the involute. The parameter runs evenly
+    /// with the angle of the normal on the tool's round (ring: on the arc), so that the radius is monotone in it.
     pub fn fillet(&self, t: f64) -> ProfilePoint {
         match self.fillet {
             Fillet::Trochoid { curve, upper_end } => {
                 let cut = curve.cut(FRAC_PI_2 + t * (upper_end - FRAC_PI_2));
                 ProfilePoint::polar(cut.radius, cut.angle, cut.normal)
             }
-            Fillet::Arc(arc) => {
-                let [center_radius, center_angle] = arc.center;
-                let direction = center_angle + t * (arc.upper_direction - center_angle);
+            Fillet::Arc {
+                radius,
+                center,
+                upper_direction,
+            } => {
+                let direction = center[1] + t * (upper_direction - center[1]);
                 let (sin, cos) = direction.sin_cos();
+                let x = center[0] * center[1].cos() + radius * cos;
+                let y = center[0] * center[1].sin() + radius * sin;
                 ProfilePoint {
-                    position: [
-                        center_radius * center_angle.cos() + arc.radius * cos,
-                        center_radius * center_angle.sin() + arc.radius * sin,
-                    ],
+                    position: [x, y],
                     normal: [-cos, -sin],
                 }
             }

@@ -6,6 +6,7 @@
 //! the flank stands further out, towards its mate: they close the gap along the line of action.
 
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 use super::{Flank, Microgeometry, PairGeometry};
 
@@ -75,31 +76,24 @@ impl PairTeeth {
 
     /// Bound of how far apart two tooth pairs can be in what errors of both gears close, on either flank, m.
     pub fn spread(&self) -> f64 {
-        self.larger_of_flanks(|errors| {
-            let [least, largest] = errors.extremes();
-            (largest - least).max(0.0) + errors.runout.map_or(0.0, |r| r.amount)
-        })
+        self.larger_of_flanks(|[least, largest], runout| (largest - least).max(0.0) + runout)
     }
 
     /// Bound of what errors of both gears close together on either flank, m.
     pub fn largest_closing(&self) -> f64 {
-        self.larger_of_flanks(|errors| {
-            errors.extremes()[1].max(0.0) + errors.runout.map_or(0.0, |r| 0.5 * r.amount)
-        })
+        self.larger_of_flanks(|[_, largest], runout| largest.max(0.0) + 0.5 * runout)
     }
 
-    /// Sum of `bound` over both gears, on the flank where it is larger.
-    fn larger_of_flanks(&self, bound: impl Fn(&ToothErrors) -> f64) -> f64 {
-        let both = |gears: &[ToothErrors; 2]| bound(&gears[0]) + bound(&gears[1]);
+    /// Sum over both gears of the `bound` from their least and largest index error and their run-out, on the flank where it
+    /// is larger.
+    fn larger_of_flanks(&self, bound: impl Fn([f64; 2], f64) -> f64) -> f64 {
+        let gear = |errors: &ToothErrors| {
+            let none = [f64::INFINITY, f64::NEG_INFINITY];
+            let index = (errors.index.iter()).fold(none, |[a, b], x| [a.min(*x), b.max(*x)]);
+            bound(index, errors.runout.map_or(0.0, |r| r.amount))
+        };
+        let both = |gears: &[ToothErrors; 2]| gear(&gears[0]) + gear(&gears[1]);
         both(&self.drive).max(both(&self.coast))
-    }
-}
-
-impl ToothErrors {
-    /// Least and largest index error, m; without any [infinity, -infinity].
-    fn extremes(&self) -> [f64; 2] {
-        let [none, last] = [f64::INFINITY, f64::NEG_INFINITY];
-        (self.index.iter()).fold([none, last], |[a, b], x| [a.min(*x), b.max(*x)])
     }
 }
 
@@ -109,18 +103,48 @@ pub type Counts = [i64; 2];
 
 /// The teeth of one flank, as they pass.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Passing {
-    errors: [ToothErrors; 2],
-    teeth: [f64; 2],
-    /// Sense of tooth numbers over tooth pairs: s on gear 1, -e s on gear 2.
-    sense: [f64; 2],
-    /// Number of the tooth of tooth pair 0 at counts 0.
-    first: [f64; 2],
+pub struct Passing([PassingGear; 2]);
+
+#[derive(Debug, Clone, PartialEq)]
+struct PassingGear {
+    errors: ToothErrors,
+    teeth: f64,
+    kappa: f64,
+    /// Sense of tooth numbers over tooth pairs.
+    sense: f64,
+    /// Number of the tooth of tooth pair 0 at count 0.
+    first: f64,
     /// +1 where the flank faces +theta.
-    facing: [f64; 2],
-    kappa: [f64; 2],
+    facing: f64,
     /// Operating pressure angle at the nominal centre distance, rad.
     pressure_angle: f64,
+}
+
+impl PassingGear {
+    /// Number of its tooth in the tooth pair `k`.
+    fn tooth(&self, count: i64, k: i32) -> usize {
+        let pair = (i64::from(k) - count) as f64;
+        (self.sense * pair + self.first).rem_euclid(self.teeth) as usize
+    }
+
+    /// What its run-out closes, m, and its rate, m per cycle.
+    fn eccentric(&self, runout: Runout, count: i64, tau: f64) -> [f64; 2] {
+        // Number of the flank that is at the pitch point, with its fraction, then the body angle from the centre of
+        // tooth 0; teeth and spaces are of the same width.
+        let per_tooth = TAU / self.teeth;
+        let flank = self.first - self.sense * (tau + count as f64);
+        let at = (flank + 0.25 * self.facing) * per_tooth;
+        // The flank's normal: ahead, and outwards by the pressure angle (ring: inwards).
+        let (sin, cos) = (runout.angle - at).sin_cos();
+        let (out, ahead) = self.pressure_angle.sin_cos();
+        let (out, ahead) = (self.kappa * out, self.facing * ahead);
+        let eccentricity = 0.5 * runout.amount;
+        // The angle changes by sense * per_tooth per cycle.
+        [
+            eccentricity * (out * cos + ahead * sin),
+            eccentricity * self.sense * per_tooth * (ahead * cos - out * sin),
+        ]
+    }
 }
 
 impl Passing {
@@ -131,34 +155,33 @@ impl Passing {
             return None;
         }
         let (s, e, gears) = (flank.sign(), geometry.e(), &geometry.gears);
-        Some(Passing {
-            errors: errors.clone(),
-            teeth: [gears[0].z(), gears[1].z()],
-            sense: [s, -e * s],
-            // The mate of the other flank stands one tooth behind.
-            first: [0.0, if flank == Flank::Drive { 0.0 } else { -1.0 }],
-            facing: [s, e * s],
-            kappa: [gears[0].kappa(), gears[1].kappa()],
+        let gear = |i: usize, sense: f64, facing: f64| PassingGear {
+            errors: errors[i].clone(),
+            teeth: gears[i].z(),
+            kappa: gears[i].kappa(),
+            sense,
+            // The mate of the coast flank stands one tooth behind.
+            first: if i == 1 && flank == Flank::Coast {
+                -1.0
+            } else {
+                0.0
+            },
+            facing,
             pressure_angle: geometry.operating_pressure_angle(geometry.center_distance),
-        })
-    }
-
-    /// Number of the tooth of gear `i` in the tooth pair `k`.
-    fn tooth(&self, i: usize, counts: Counts, k: i32) -> usize {
-        let pair = (i64::from(k) - counts[i]) as f64;
-        (self.sense[i] * pair + self.first[i]).rem_euclid(self.teeth[i]) as usize
+        };
+        Some(Passing([gear(0, s, s), gear(1, -e * s, e * s)]))
     }
 
     /// What the errors of both gears close of the gaps of tooth pair `k` at the mesh position `tau`, along the line of action,
     /// m, and its rate, m per cycle.
     pub fn closing(&self, counts: Counts, k: i32, tau: f64) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for (i, errors) in self.errors.iter().enumerate() {
-            if !errors.index.is_empty() {
-                sum[0] += errors.index[self.tooth(i, counts, k)];
+        for (gear, count) in self.0.iter().zip(counts) {
+            if !gear.errors.index.is_empty() {
+                sum[0] += gear.errors.index[gear.tooth(count, k)];
             }
-            if let Some(runout) = errors.runout {
-                let [value, rate] = self.eccentric(i, runout, counts, tau);
+            if let Some(runout) = gear.errors.runout {
+                let [value, rate] = gear.eccentric(runout, count, tau);
                 sum[0] += value;
                 sum[1] += rate;
             }
@@ -166,56 +189,30 @@ impl Passing {
         sum
     }
 
-    /// What the run-out of gear `i` closes, m, and its rate, m per cycle.
-    fn eccentric(&self, i: usize, runout: Runout, counts: Counts, tau: f64) -> [f64; 2] {
-        // Number of the flank that is at the pitch point, with its fraction, then the body angle from the centre of
-        // tooth 0; teeth and spaces are of the same width.
-        let per_tooth = std::f64::consts::TAU / self.teeth[i];
-        let cycles = tau + counts[i] as f64;
-        let flank = self.first[i] - self.sense[i] * cycles;
-        let at = (flank + 0.25 * self.facing[i]) * per_tooth;
-        // The flank's normal: ahead, and outwards by the pressure angle (ring: inwards).
-        let (sin, cos) = (runout.angle - at).sin_cos();
-        let (out, ahead) = self.pressure_angle.sin_cos();
-        let (out, ahead) = (self.kappa[i] * out, self.facing[i] * ahead);
-        let eccentricity = 0.5 * runout.amount;
-        // The angle changes by sense * per_tooth per cycle.
-        [
-            eccentricity * (out * cos + ahead * sin),
-            eccentricity * self.sense[i] * per_tooth * (ahead * cos - out * sin),
-        ]
-    }
-
     /// Second derivative by the mesh position of what the errors of both gears close, m; for all tooth pairs in mesh the same.
     pub fn closing_curvature(&self, counts: Counts, tau: f64) -> f64 {
         let curvature = |i: usize| {
-            let per_tooth = std::f64::consts::TAU / self.teeth[i];
-            let value = |runout| self.eccentric(i, runout, counts, tau)[0];
-            -per_tooth * per_tooth * self.errors[i].runout.map_or(0.0, value)
+            let per_tooth = TAU / self.0[i].teeth;
+            let value = |runout| self.0[i].eccentric(runout, counts[i], tau)[0];
+            -per_tooth * per_tooth * self.0[i].errors.runout.map_or(0.0, value)
         };
         curvature(0) + curvature(1)
     }
 
     /// The modifications of the flank of gear `i` in the tooth pair `k`, where they are its own.
     pub fn own_flank(&self, i: usize, counts: Counts, k: i32) -> Option<&Microgeometry> {
-        let flanks = &self.errors[i].flanks;
-        if flanks.is_empty() {
-            return None;
-        }
-        let tooth = self.tooth(i, counts, k);
-        let own = flanks.iter().find(|own| own.tooth as usize == tooth);
+        let tooth = self.0[i].tooth(counts[i], k);
+        let mut flanks = self.0[i].errors.flanks.iter();
+        let own = flanks.find(|own| own.tooth as usize == tooth);
         own.map(|own| &own.microgeometry)
     }
 
     /// Compliance of the tooth pair `k` under its own load over that of others; `shares` are those of both gears.
     pub fn compliance(&self, shares: [f64; 2], counts: Counts, k: i32) -> f64 {
         let more = |i: usize| {
-            let weak = &self.errors[i].weak;
-            if weak.is_empty() {
-                return 0.0;
-            }
-            let tooth = self.tooth(i, counts, k);
-            let own = weak.iter().find(|weak| weak.tooth as usize == tooth);
+            let tooth = self.0[i].tooth(counts[i], k);
+            let mut weak = self.0[i].errors.weak.iter();
+            let own = weak.find(|weak| weak.tooth as usize == tooth);
             own.map_or(0.0, |weak| shares[i] * (weak.factor - 1.0))
         };
         1.0 + more(0) + more(1)
@@ -229,16 +226,12 @@ mod tests {
     use super::*;
 
     fn pair(internal: bool) -> PairGeometry {
-        let (kind, teeth, e) = match internal {
-            true => (Ring, 50, -1.0),
-            false => (External, 30, 1.0),
-        };
-        let [first, second] = [(External, 20), (kind, teeth)]
-            .map(|(kind, teeth)| samples::gear(kind, teeth, 1.0, 0.0, 0.0));
-        let center = (first.reference_radius() + e * second.reference_radius()).abs();
+        let mate = if internal { (Ring, 50) } else { (External, 30) };
+        let gears = [(External, 20), mate].map(|(kind, z)| samples::gear(kind, z, 1.0, 0.0, 0.0));
+        let [r1, r2] = [0, 1].map(|i| gears[i].reference_radius());
         PairGeometry {
-            gears: [first, second],
-            center_distance: center,
+            center_distance: if internal { r2 - r1 } else { r1 + r2 },
+            gears,
         }
     }
 
@@ -298,7 +291,7 @@ mod tests {
                 for tau in [0.0, 0.4, 0.9] {
                     // Gear 1 has turned on by s tau pitches: the eccentricity in fixed axes, the pitch point on +x.
                     let s = flank.sign();
-                    let pitch = std::f64::consts::TAU / 20.0;
+                    let pitch = TAU / 20.0;
                     let turned = s * (tau + 3.0) * pitch - s * 0.25 * pitch + 0.3;
                     let shift = [10e-6 * turned.cos(), 10e-6 * turned.sin()];
                     let normal = [alpha.sin(), s * alpha.cos()];

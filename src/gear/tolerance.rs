@@ -7,51 +7,46 @@ use crate::root::bisection;
 /// Finest and coarsest flank tolerance class.
 pub const CLASSES: std::ops::RangeInclusive<u8> = 1..=11;
 
-/// Factor of a class over class 5: sqrt(2) per class.
-fn class_factor(class: u8) -> f64 {
-    2f64.powf(0.5 * (f64::from(class) - 5.0))
-}
-
-/// Rounds a tolerance in um: to whole ones above 10, to halves above 5, else to tenths (5.2.3 of the standard).
-fn rounded_um(um: f64) -> f64 {
+/// The tolerance of `class`, m, from that of class 5 in um: sqrt(2) per class, rounded to whole um above 10, to halves above
+/// 5, else to tenths (5.2.3 of the standard).
+fn tolerance(class: u8, at_five_um: f64) -> f64 {
+    let um = at_five_um * 2f64.powf(0.5 * (f64::from(class) - 5.0));
     let step = match um {
         _ if um > 10.0 => 1.0,
         _ if um > 5.0 => 0.5,
         _ => 0.1,
     };
-    (um / step).round() * step
+    1e-6 * ((um / step).round() * step)
 }
 
-fn reference_diameter_mm(gear: &Gear) -> f64 {
-    1e3 * gear.z() * gear.normal_module / gear.helix_angle.cos()
+/// Reference diameter and normal module, mm.
+fn size_mm(gear: &Gear) -> [f64; 2] {
+    let m = 1e3 * gear.normal_module;
+    [gear.z() * m / gear.helix_angle.cos(), m]
 }
 
 /// Profile slope tolerance f_HaT of `class`, m: the profile slope deviation may lie between it and its negative.
 pub fn profile_slope(gear: &Gear, class: u8) -> f64 {
-    let module = 1e3 * gear.normal_module;
-    let at_five = 0.4 * module + 0.001 * reference_diameter_mm(gear) + 4.0;
-    1e-6 * rounded_um(at_five * class_factor(class))
+    let [d, m] = size_mm(gear);
+    tolerance(class, 0.4 * m + 0.001 * d + 4.0)
 }
 
 /// Helix slope tolerance f_HbT of `class`, m, over the whole face.
 pub fn helix_slope(gear: &Gear, class: u8) -> f64 {
-    let diameter = reference_diameter_mm(gear).sqrt();
-    let at_five = 0.05 * diameter + 0.35 * (1e3 * gear.face_width).sqrt() + 4.0;
-    1e-6 * rounded_um(at_five * class_factor(class))
+    let ([d, _], b) = (size_mm(gear), 1e3 * gear.face_width);
+    tolerance(class, 0.05 * d.sqrt() + 0.35 * b.sqrt() + 4.0)
 }
 
 /// Single pitch tolerance f_pT of `class`, m.
 pub fn single_pitch(gear: &Gear, class: u8) -> f64 {
-    let module = 1e3 * gear.normal_module;
-    let at_five = 0.001 * reference_diameter_mm(gear) + 0.4 * module + 5.0;
-    1e-6 * rounded_um(at_five * class_factor(class))
+    let [d, m] = size_mm(gear);
+    tolerance(class, 0.001 * d + 0.4 * m + 5.0)
 }
 
 /// Total cumulative pitch tolerance F_pT of `class`, m: range of the index errors of all teeth.
 pub fn total_pitch(gear: &Gear, class: u8) -> f64 {
-    let (diameter, module) = (reference_diameter_mm(gear), 1e3 * gear.normal_module);
-    let at_five = 0.002 * diameter + 0.55 * diameter.sqrt() + 0.7 * module + 12.0;
-    1e-6 * rounded_um(at_five * class_factor(class))
+    let [d, m] = size_mm(gear);
+    tolerance(class, 0.002 * d + 0.55 * d.sqrt() + 0.7 * m + 12.0)
 }
 
 /// Index errors of all teeth of a gear of `class`, m, mean zero: a wave once per revolution at a random angle, as of a blank
@@ -109,15 +104,18 @@ mod tests {
     fn class_five_is_the_formula_and_two_classes_double_it() {
         // d = 80 mm, m_n 4, b 25: 0.4 * 4 + 0.08 + 4 = 5.68 -> 5.5; 0.447 + 1.75 + 4 = 6.197 -> 6.
         let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
-        assert!((profile_slope(&gear, 5) - 5.5e-6).abs() < 1e-12);
-        assert!((helix_slope(&gear, 5) - 6e-6).abs() < 1e-12);
-        // 11.36 -> 11; 12.39 -> 12; 4.02 -> 4.0.
-        assert!((profile_slope(&gear, 7) - 11e-6).abs() < 1e-12);
-        assert!((helix_slope(&gear, 7) - 12e-6).abs() < 1e-12);
-        assert!((profile_slope(&gear, 4) - 4.0e-6).abs() < 1e-12);
-        // 0.08 + 1.6 + 5 = 6.68 -> 6.5; 0.16 + 4.919 + 2.8 + 12 = 19.88 -> 20.
-        assert!((single_pitch(&gear, 5) - 6.5e-6).abs() < 1e-12);
-        assert!((total_pitch(&gear, 5) - 20e-6).abs() < 1e-12);
+        // 11.36 -> 11; 12.39 -> 12; 4.02 -> 4.0. 0.08 + 1.6 + 5 = 6.68 -> 6.5; 0.16 + 4.919 + 2.8 + 12 = 19.88 -> 20.
+        for (found, um) in [
+            (profile_slope(&gear, 5), 5.5),
+            (helix_slope(&gear, 5), 6.0),
+            (profile_slope(&gear, 7), 11.0),
+            (helix_slope(&gear, 7), 12.0),
+            (profile_slope(&gear, 4), 4.0),
+            (single_pitch(&gear, 5), 6.5),
+            (total_pitch(&gear, 5), 20.0),
+        ] {
+            assert!((1e6 * found - um).abs() < 1e-6, "{found} {um}");
+        }
     }
 
     #[test]

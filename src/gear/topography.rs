@@ -3,18 +3,13 @@
 use super::modification::ProfilePiece;
 use serde::{Deserialize, Serialize};
 
-/// Why a grid is no topography.
+/// A grid that is no topography.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum TopographyError {
-    /// Fewer than three lines along one of the axes.
-    #[error("fewer than 3 lines along an axis of the grid")]
-    TooFew,
-    /// Lines that do not ascend, values that are missing, or numbers that are none.
-    #[error(
-        "lines of the grid that do not ascend, a value that is missing, or a number that is not finite"
-    )]
-    NotAscending,
-}
+#[error(
+    "fewer than 3 lines along an axis of the grid, lines that do not ascend, a value that is missing, or a number that is \
+     not finite"
+)]
+pub struct TopographyError;
 
 /// How far a cubic may rise above the highest of its nodes, over the range of all of them.
 const OVERSHOOT: f64 = 0.25;
@@ -53,12 +48,14 @@ impl TryFrom<Stored> for Topography {
     type Error = TopographyError;
 
     fn try_from(stored: Stored) -> Result<Topography, TopographyError> {
-        check_axes(&stored.rolls, &stored.zs)?;
-        if stored.nodes.len() != stored.rolls.len() * stored.zs.len() {
-            return Err(TopographyError::NotAscending);
+        let Stored {
+            rolls, zs, nodes, ..
+        } = &stored;
+        if !is_axis(rolls) || !is_axis(zs) || nodes.len() != rolls.len() * zs.len() {
+            return Err(TopographyError);
         }
         Ok(Topography {
-            steepest: steepest(&stored.rolls, &stored.zs, &stored.nodes),
+            steepest: steepest(rolls, zs, nodes),
             rolls: stored.rolls,
             zs: stored.zs,
             nodes: stored.nodes,
@@ -67,15 +64,8 @@ impl TryFrom<Stored> for Topography {
     }
 }
 
-fn check_axes(rolls: &[f64], zs: &[f64]) -> Result<(), TopographyError> {
-    if rolls.len() < 3 || zs.len() < 3 {
-        return Err(TopographyError::TooFew);
-    }
-    let ascends = |x: &[f64]| x.windows(2).all(|w| w[0] < w[1]) && x.iter().all(|v| v.is_finite());
-    if !ascends(rolls) || !ascends(zs) {
-        return Err(TopographyError::NotAscending);
-    }
-    Ok(())
+fn is_axis(x: &[f64]) -> bool {
+    x.len() >= 3 && x.is_sorted_by(|a, b| a < b) && x.iter().all(|v| v.is_finite())
 }
 
 impl Topography {
@@ -89,10 +79,10 @@ impl Topography {
         zs: Vec<f64>,
         removal: Vec<Vec<f64>>,
     ) -> Result<Topography, TopographyError> {
-        check_axes(&rolls, &zs)?;
         let is_whole = |row: &Vec<f64>| row.len() == zs.len() && row.iter().all(|v| v.is_finite());
-        if removal.len() != rolls.len() || !removal.iter().all(is_whole) {
-            return Err(TopographyError::NotAscending);
+        let is_grid = removal.len() == rolls.len() && removal.iter().all(is_whole);
+        if !(is_axis(&rolls) && is_axis(&zs) && is_grid) {
+            return Err(TopographyError);
         }
         let column =
             |rows: &[Vec<f64>], j: usize| -> Vec<f64> { rows.iter().map(|row| row[j]).collect() };
@@ -405,15 +395,16 @@ mod tests {
 
     #[test]
     fn a_grid_that_is_none_is_refused() {
-        use TopographyError::{NotAscending, TooFew};
-        let rows = || vec![vec![0.0; 4]; 5];
-        let refused =
-            |rolls: &[f64], rows| Topography::new(rolls.to_vec(), ZS.to_vec(), rows).unwrap_err();
-        assert_eq!(refused(&ROLLS[..2], rows()), TooFew);
-        assert_eq!(refused(&[6.0, 5.0, 7.0, 8.0, 9.0], rows()), NotAscending);
-        assert_eq!(refused(&ROLLS, vec![vec![0.0; 4]; 4]), NotAscending);
-        let mut bad = rows();
+        let rows = vec![vec![0.0; 4]; 5];
+        let mut bad = rows.clone();
         bad[2][1] = f64::NAN;
-        assert_eq!(refused(&ROLLS, bad), NotAscending);
+        for (rolls, rows) in [
+            (&ROLLS[..2], rows[..2].to_vec()),
+            (&[6.0, 5.0, 7.0, 8.0, 9.0], rows.clone()),
+            (&ROLLS, rows[..4].to_vec()),
+            (&ROLLS, bad),
+        ] {
+            Topography::new(rolls.to_vec(), ZS.to_vec(), rows).unwrap_err();
+        }
     }
 }

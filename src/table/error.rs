@@ -98,6 +98,10 @@ impl TableError {
         "rootStress = true: the table does not hold the stress in the tooth roots; switch rootStress off or make the \
          tables with `gearmesh tables --root-stress`",
     );
+    pub(crate) const NO_ROOT_STRESS_AT_CONTACT: Self = TableError::Missing(
+        "rootStress = true: the contact of this FMU does not hold the stress in the tooth roots; switch rootStress off or \
+         build the FMU with `gearmesh build --contact --root-stress`",
+    );
     pub(crate) const NO_TEETH: Self = TableError::Missing(
         "stiffnessModel = teeth: the table does not hold tooth pairs one by one; set stiffnessModel = table or make \
          the tables with `gearmesh tables --teeth`",

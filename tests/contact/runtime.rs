@@ -3,6 +3,7 @@
 use super::*;
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
+use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use std::sync::Arc;
 
 const PAIRS: [&str; 3] = [
@@ -11,12 +12,18 @@ const PAIRS: [&str; 3] = [
     include_str!("../../resources/pairs/planet-ring-27-84.json"),
 ];
 
-/// A pair, its solver on coarse finite elements and its contact at run time on `flank`.
-fn ready(text: &str, flank: Flank) -> (Pair, ContactSolver, RuntimeContact) {
+/// A pair, its solver on coarse finite elements and its condensed model on `flank`.
+fn condensed(text: &str, flank: Flank) -> (Pair, ContactSolver, CondensedFlank) {
     let pair = pair::from_json(text).unwrap();
     let solver = coarse_solver(&pair, with_stations(16)).at_run_time();
     let [low, high] = pair.operating.center_distance_offset;
     let condensed = condensed_flank(&solver, flank, &[low, 0.5 * (low + high), high]).unwrap();
+    (pair, solver, condensed)
+}
+
+/// A pair, its solver on coarse finite elements and its contact at run time on `flank`.
+fn ready(text: &str, flank: Flank) -> (Pair, ContactSolver, RuntimeContact) {
+    let (pair, solver, condensed) = condensed(text, flank);
     let setup = Arc::new(solver.setup().clone());
     let contact = RuntimeContact::new(setup, Arc::new(condensed), flank);
     (pair, solver, contact)
@@ -65,6 +72,45 @@ fn the_solve_at_run_time_is_that_of_the_tables() {
             "{}: {rms} {largest}",
             pair.name
         );
+    }
+}
+
+/// Random points of the whole range, solved again by both elastic models at every point.
+#[test]
+fn root_stress_at_run_time_is_that_of_the_elastic_models() {
+    for (text, flank) in PAIRS
+        .into_iter()
+        .zip([Flank::Drive, Flank::Drive, Flank::Coast])
+    {
+        let (pair, solver, condensed) = condensed(text, flank);
+        let elastic = Settings::for_pair(&pair);
+        let models = pair_root_stress(&pair.geometry, flank, &elastic, None, &|_, _, _| true);
+        let models = models.unwrap().map(|(model, _)| model);
+        let roots = condensed_roots(&solver, flank, &models).unwrap();
+        let condensed = Arc::new(CondensedFlank {
+            roots: Some(roots),
+            ..condensed
+        });
+        let setup = Arc::new(solver.setup().clone());
+        let contact = RuntimeContact::new(setup, condensed, flank).with_root_stress();
+        let mut random = Random::new(5);
+        let (mut square, mut largest, n) = (0.0, 0.0f64, 40);
+        for _ in 0..n {
+            let (at, result) = point(&pair, &solver, flank, &mut random);
+            let problem = solver.position(flank, at[3], at[1]).unwrap();
+            let place = (flank, at[3], at[1]);
+            let direct = PositionRoots::new(&solver, &problem, place, &models).unwrap();
+            let direct = direct.largest(&result).unwrap();
+            let found = contact.potential(at, [0; 2], &mut Warm::default()).unwrap();
+            for (found, known) in found.root_stress.iter().zip(direct) {
+                let error = found / known - 1.0;
+                square += error * error;
+                largest = largest.max(error.abs());
+            }
+        }
+        let rms = (square / f64::from(2 * n)).sqrt();
+        println!("{}: rms {rms:.2e}, largest {largest:.2e}", pair.name);
+        assert!(rms < 0.005 && largest < 0.02, "{rms} {largest}");
     }
 }
 

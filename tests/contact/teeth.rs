@@ -1,10 +1,12 @@
 //! Teeth that differ, in contact at run time.
 
 use super::*;
+use gearmesh::compliance::Segment;
 use gearmesh::gear::{
     Flank, Microgeometry, OwnFlank, PairTeeth, Runout, ToothErrors, Topography, WeakTooth,
 };
 use gearmesh::random::Random;
+use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -129,6 +131,61 @@ fn amplitude(signal: &[f64], order: usize) -> f64 {
             .sum()
     };
     part(f64::cos).hypot(part(f64::sin))
+}
+
+/// All other teeth stand back farther than the one that carries gives way: its root is under the whole load.
+#[test]
+fn a_tooth_that_carries_alone_has_the_root_stress_of_the_whole_load() {
+    let mut ready = Ready::new(SPUR);
+    let elastic = Settings::for_pair(&ready.pair);
+    let models = pair_root_stress(
+        &ready.pair.geometry,
+        Flank::Drive,
+        &elastic,
+        None,
+        &|_, _, _| true,
+    );
+    let models = models.unwrap().map(|(model, _)| model);
+    let roots = condensed_roots(&ready.solver, Flank::Drive, &models).unwrap();
+    Arc::make_mut(&mut ready.condensed).roots = Some(roots);
+    let mut back = vec![-100e-6; ready.pair.geometry.gears[0].teeth as usize];
+    back[0] = 0.0;
+    let (contact, force) = (
+        ready.contact([index(back), ToothErrors::default()]),
+        ready.force(),
+    );
+    let (contact, alike) = (contact.with_root_stress(), ready.alike().with_root_stress());
+    for tau in [0.02, 0.1, 0.3, 0.6] {
+        let stress = |contact: &RuntimeContact| {
+            let approach = transmission_error(contact, force, tau, 0);
+            ask(contact, [approach, 0.0, 0.0, tau], [0; 2]).root_stress
+        };
+        let (alone, shared) = (stress(&contact), stress(&alike));
+        // The next tooth pair bears its part from a third of the base pitch behind the pitch point on.
+        let share = if tau < 0.2 { 0.999..1.001 } else { 0.3..0.93 };
+        let problem = ready.solver.position(Flank::Drive, tau, 0.0).unwrap();
+        let own = |c: &&Candidate| c.tooth_pair == 0;
+        let candidate = problem.candidates().iter().find(own).unwrap();
+        for i in 0..2 {
+            let gear = &ready.pair.geometry.gears[i];
+            let whole = Segment {
+                tooth: 0,
+                z: [0.0, gear.face_width],
+                roll: [candidate.roll[i]; 2],
+            };
+            assert!(
+                share.contains(&(shared[i] / alone[i])),
+                "{tau}: {shared:?} {alone:?}"
+            );
+            let field = models[i].of_tooth(0, &[(whole, force)]).unwrap();
+            let known = field.largest().stress;
+            assert!(
+                (alone[i] / known - 1.0).abs() < 0.03,
+                "{tau}: {} {known}",
+                alone[i]
+            );
+        }
+    }
 }
 
 #[test]
@@ -335,7 +392,7 @@ fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
         flanks: vec![OwnFlank {
             tooth: 2,
             microgeometry: Microgeometry {
-                topography: Some(Arc::new(grid)),
+                topography: Some(grid),
                 ..nominal.clone()
             },
         }],

@@ -74,8 +74,7 @@ fn load_share(case: &Case) -> Curve {
     Curve { points, ..curve }
 }
 
-/// Values of one tooth pair through the mesh, from those of every pair at every position by its number: pair k at
-/// position tau is pair 0 at tau + k.
+/// Values of one tooth pair through the mesh: pair k at position tau is pair 0 at tau + k.
 pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>) -> Curve {
     let position = |i: usize, pair| case.cycle.mesh_position[i] + f64::from(pair);
     let points = values.map(|(i, pair, value)| (position(i, pair), value));
@@ -87,12 +86,9 @@ pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>
 /// Peak-to-peak value and harmonics of each of `cases` over `x`; in um, or of the harmonics alone in dB.
 fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<Curve> {
     let teeth = variant.geometry().gears[0].teeth as usize;
+    let scale = |um: f64| if in_db { 20.0 * um.log10() } else { um };
     let curve = |label: String, value: &dyn Fn(&Case) -> f64| {
-        let scale = |meters: f64| match in_db {
-            true => 20.0 * (1e6 * meters).log10(),
-            false => 1e6 * meters,
-        };
-        let values = cases.iter().map(|case| scale(value(case)));
+        let values = cases.iter().map(|case| scale(1e6 * value(case)));
         Curve::new(label, x.iter().copied().zip(values))
     };
     let harmonic = |h: usize| {
@@ -100,11 +96,8 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
         curve(format!("order {}", h * teeth), &amplitude)
     };
     let mut curves: Vec<Curve> = (1..=HARMONICS).map(harmonic).collect();
-    if !in_db {
-        curves.push(curve("peak to peak".into(), &|c| {
-            c.cycle.peak_to_peak_ste()
-        }));
-    }
+    let swing = |case: &Case| case.cycle.peak_to_peak_ste();
+    curves.extend((!in_db).then(|| curve("peak to peak".into(), &swing)));
     curves
 }
 
@@ -141,7 +134,6 @@ pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section, Error> 
     Ok(Section::new("Over misalignment", note, figures))
 }
 
-/// What friction takes.
 pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads) -> Result<Section, Error> {
     let cases = Variant::Pair(solver, None).cases(&loads.survey, &[0.0], POSITIONS)?;
     let map = |title: &str, unit: &str, value: fn(&Loss) -> f64| {

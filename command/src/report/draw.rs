@@ -112,16 +112,17 @@ pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<Stri
         axes(&mut chart, [&labels[0], &labels[1]], 8, 0.12)?;
         let mut next = 40;
         let mut entry = |style: &Style, line: ShapeStyle, label: &str| -> Result<(), Error> {
-            let marks = match style {
-                Style::Solid => vec![[4, 48]],
-                Style::Dashed(_) => vec![[4, 18], [30, 48]],
-                Style::Band(_) => vec![],
+            let (marks, half): (&[_], _) = match style {
+                Style::Solid => (&[[4, 48]], 0),
+                Style::Dashed(_) => (&[[4, 18], [30, 48]], 0),
+                Style::Band(_) => (&[[4, 48]], 12),
             };
-            for mark in marks {
-                legend.draw(&PathElement::new(mark.map(|x| (x, next)), line))?;
-            }
-            if let Style::Band(_) = style {
-                legend.draw(&Rectangle::new([(4, next - 12), (48, next + 12)], line))?;
+            for [left, right] in marks {
+                let corners = [(*left, next - half), (*right, next + half)];
+                match half {
+                    0 => legend.draw(&PathElement::new(corners, line))?,
+                    _ => legend.draw(&Rectangle::new(corners, line))?,
+                }
             }
             let room = 2 * (LEGEND_WIDTH - 58) / label.chars().count().max(1) as u32;
             let size = room.clamp(18, 32);
@@ -162,7 +163,6 @@ pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<Stri
     })
 }
 
-/// From pale to dark with the fraction 0 ..= 1 of the scale.
 fn shade(fraction: f64) -> RGBColor {
     // Dark violet, red, orange, pale yellow; lighter is lower.
     const STOPS: [(f64, f64, f64); 5] = [
@@ -255,14 +255,13 @@ mod tests {
         let rows: Vec<f64> = (0..40).map(|i| f64::from(i) * (1.0 / 40.0)).collect();
         let cells = Map::on_nodes([&[0.0], &rows], vec![1.0; 40], 1.0);
         let svg = map(&["x", "y", "v"].map(Into::into), &cells).unwrap();
-        let mut rows: Vec<(i32, i32)> = (svg.split("<polygon").skip(1))
-            .map(|polygon| {
-                let points = polygon.split("points=\"").nth(1).unwrap();
-                let points = points.split('"').next().unwrap().split_whitespace();
-                let y = points.map(|p| p.split_once(',').unwrap().1.parse::<i32>().unwrap());
-                y.fold((i32::MAX, i32::MIN), |(a, b), y| (a.min(y), b.max(y)))
-            })
-            .collect();
+        let ends = |polygon: &str| {
+            let points = polygon.split("points=\"").nth(1).unwrap();
+            let points = points.split('"').next().unwrap().split_whitespace();
+            let y = points.map(|p| p.split_once(',').unwrap().1.parse::<i32>().unwrap());
+            (y.clone().min(), y.max())
+        };
+        let mut rows: Vec<_> = svg.split("<polygon").skip(1).map(ends).collect();
         rows.sort_unstable();
         assert_eq!(rows.len(), 40);
         assert!(rows.windows(2).all(|w| w[1].0 < w[0].1), "{rows:?}");
@@ -274,8 +273,7 @@ mod tests {
             let RGBColor(r, g, b) = shade(f);
             0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
         };
-        for i in 0..100 {
-            assert!(luminance(f64::from(i) / 100.0) >= luminance(f64::from(i + 1) / 100.0));
-        }
+        let shades: Vec<f64> = (0..=100).map(|i| luminance(f64::from(i) / 100.0)).collect();
+        assert!(shades.is_sorted_by(|a, b| a >= b));
     }
 }

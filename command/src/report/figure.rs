@@ -3,7 +3,6 @@
 use super::draw;
 use crate::Error;
 
-/// A chart with its title, which also names its files.
 #[derive(Debug, Clone)]
 pub struct Figure {
     pub title: String,
@@ -30,7 +29,6 @@ pub enum Height {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     pub label: String,
-    /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
     pub style: Style,
 }
@@ -56,30 +54,25 @@ impl Curve {
     }
 }
 
-/// Values over two quantities in shades.
 #[derive(Debug, Clone)]
 pub struct Map {
-    /// Ends of the axes.
     pub ends: [[f64; 2]; 2],
     pub patches: Vec<Patch>,
     /// Top of the scale, which begins at 0.
     pub top: f64,
 }
 
-/// A piece of a map with one value.
 #[derive(Debug, Clone)]
 pub struct Patch {
     /// Where it is in the CSV file.
     pub node: [f64; 2],
-    /// Its ends along both axes.
     pub ends: [[f64; 2]; 2],
     /// None: contact at a tip edge, drawn apart from the scale, over everything.
     pub value: Option<f64>,
 }
 
 impl Map {
-    /// `values` in cells around the even nodes of both axes, all of a row after each other; the scale reaches to
-    /// the largest, at least to `top`.
+    /// `values` row by row in cells around the nodes of both axes; the scale reaches to the largest, at least to `top`.
     pub fn on_nodes(
         [columns, rows]: [&[f64]; 2],
         values: impl IntoIterator<Item = f64>,
@@ -87,19 +80,17 @@ impl Map {
     ) -> Map {
         let axes = [columns, rows].map(cells);
         let [x, y] = &axes;
-        let pairs = y.iter().flat_map(|y| x.iter().map(move |x| [x, y]));
-        let patch = |(cells, value): ([&Cell; 2], f64)| Patch {
-            node: cells.map(|cell| cell.node),
-            ends: cells.map(|cell| cell.ends),
+        let pairs = y.iter().flat_map(|y| x.iter().map(move |x| [*x, *y]));
+        let patch = |(ends, value): ([[f64; 2]; 2], f64)| Patch {
+            node: ends.map(|[low, high]| 0.5 * (low + high)),
+            ends,
             value: value.is_finite().then_some(value),
         };
         let patches: Vec<Patch> = pairs.zip(values).map(patch).collect();
-        let ends = axes.each_ref().map(|cells| {
-            let ends = || cells.iter().flat_map(|cell| cell.ends);
-            [
-                ends().fold(f64::INFINITY, f64::min),
-                ends().fold(f64::NEG_INFINITY, f64::max),
-            ]
+        let ends = axes.map(|cells| {
+            let ends = || cells.iter().flatten().copied();
+            let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];
+            [ends().fold(low, f64::min), ends().fold(high, f64::max)]
         });
         let top = patches.iter().filter_map(|p| p.value).fold(top, f64::max);
         Map { ends, patches, top }
@@ -115,25 +106,14 @@ impl Map {
     }
 }
 
-struct Cell {
-    node: f64,
-    ends: [f64; 2],
-}
-
-/// Cells that meet halfway between `nodes`, the outermost as wide as their neighbours.
-fn cells(nodes: &[f64]) -> Vec<Cell> {
+/// Ends of cells that meet halfway between `nodes`, the outermost as wide as their neighbours.
+fn cells(nodes: &[f64]) -> Vec<[f64; 2]> {
     let step = |i: usize| nodes.get(i + 1).map_or(1.0, |next| next - nodes[i]);
     let cell = |(i, node): (usize, &f64)| {
         let before = 0.5 * step(i.saturating_sub(1));
-        let low = node - before;
-        let high = match nodes.get(i + 1) {
-            Some(next) => next - 0.5 * step(i),
-            None => node + before,
-        };
-        Cell {
-            node: 0.5 * (low + high),
-            ends: [low, high],
-        }
+        let next = nodes.get(i + 1);
+        let high = next.map_or(node + before, |next| next - 0.5 * step(i));
+        [node - before, high]
     };
     nodes.iter().enumerate().map(cell).collect()
 }
@@ -153,22 +133,22 @@ impl Figure {
         height: Height,
         curves: Vec<Curve>,
     ) -> Figure {
-        Figure {
-            title: title.into(),
-            labels: labels.map(Into::into).into(),
-            plot: Plot::Lines(height, curves),
-        }
+        Figure::new(title.into(), &labels, Plot::Lines(height, curves))
     }
 
     pub fn map(title: impl Into<String>, labels: [&str; 3], map: Map) -> Figure {
+        Figure::new(title.into(), &labels, Plot::Map(map))
+    }
+
+    fn new(title: String, labels: &[&str], plot: Plot) -> Figure {
+        let labels = labels.iter().map(|label| label.to_string()).collect();
         Figure {
-            title: title.into(),
-            labels: labels.map(Into::into).into(),
-            plot: Plot::Map(map),
+            title,
+            labels,
+            plot,
         }
     }
 
-    /// The picture.
     pub fn svg(&self) -> askama::Result<String> {
         let drawn = match &self.plot {
             Plot::Lines(height, curves) => draw::lines(&self.labels, *height, curves),
@@ -183,20 +163,23 @@ impl Figure {
         match &self.plot {
             Plot::Lines(_, curves) => {
                 writer.write_record(["curve", &self.labels[0], &self.labels[1]])?;
-                for curve in curves {
-                    let (label, points) = (&curve.label, &curve.points);
-                    let name = match &curve.style {
-                        Style::Dashed(variant) => format!("{label} ({variant})"),
-                        _ => label.clone(),
+                for Curve {
+                    label,
+                    points,
+                    style,
+                } in curves
+                {
+                    let name = match style {
+                        Style::Dashed(variant) => &format!("{label} ({variant})"),
+                        _ => label,
                     };
                     for (x, y) in points {
-                        writer.serialize((&name, x, y))?;
+                        writer.serialize((name, x, y))?;
                     }
-                    let Style::Band(low) = &curve.style else {
-                        continue;
-                    };
-                    for ((x, _), y) in points.iter().zip(low) {
-                        writer.serialize((format!("{label}, lower end"), x, y))?;
+                    if let Style::Band(low) = style {
+                        for ((x, _), y) in points.iter().zip(low) {
+                            writer.serialize((format!("{label}, lower end"), x, y))?;
+                        }
                     }
                 }
             }
@@ -210,8 +193,7 @@ impl Figure {
         Ok(writer.into_inner()?)
     }
 
-    /// Adds what `other` shows, of the variant `name`: curves dashed in the same chart; of a map it stays apart, on
-    /// the same scale, and is returned.
+    /// Adds the curves of `other`, of the variant `name`, dashed; a map is returned on the same scale.
     pub fn compare(&mut self, mut other: Figure, name: &str) -> Option<Figure> {
         match (&mut self.plot, &mut other.plot) {
             (Plot::Lines(_, own), Plot::Lines(_, more)) => {

@@ -7,6 +7,7 @@ use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::GearRoots;
 
 use super::curves::through_mesh;
+use super::evenly;
 use super::figure::{Curve, Figure, Height, Map, Patch, charts};
 use super::page::Section;
 use crate::case::{Case, torque_in_words};
@@ -14,10 +15,10 @@ use crate::case::{Case, torque_in_words};
 /// Pressures below this are left white, MPa.
 const VISIBLE: f64 = 1.0;
 const LINE_POSITIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
-const TRACE_POINTS: usize = 200;
+const TRACE_POINTS: usize = 201;
 
-/// Every loaded segment of the mesh cycle as a patch of gear `i`'s flank: as long as the segment, and as high as the
-/// contact moves from one position to the next. `value` is that of a segment, None at a tip edge.
+/// Every loaded segment of the mesh cycle as a patch of gear `i`'s flank, as high as the contact moves from one position to the
+/// next; `value` is None at a tip edge.
 fn pattern(
     geometry: &PairGeometry,
     case: &Case,
@@ -75,8 +76,7 @@ fn patterns(
     all.into_iter().map(figure).collect()
 }
 
-/// Sections on what the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the
-/// contact lines.
+/// What the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the contact lines.
 pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> Vec<Section> {
     let geometry = &pair.geometry;
     let cos_beta_b = geometry.base_helix_angle().cos();
@@ -107,11 +107,8 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         torque(nominal)
     );
     let lines = LINE_POSITIONS.map(|tau| contact_lines(nominal, tau)).into();
-    sections.push(Section::new(
-        "Pressure along the contact lines",
-        note,
-        lines,
-    ));
+    let heading = "Pressure along the contact lines";
+    sections.push(Section::new(heading, note, lines));
     sections
 }
 
@@ -127,13 +124,8 @@ fn contact_lines(case: &Case, tau: f64) -> Figure {
     };
     let pairs = segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair);
     let title = format!("Pressure at mesh position {}", case.cycle.mesh_position[i]);
-    let labels = ["z (mm)", "pressure (MPa)"];
-    Figure::lines(
-        title,
-        labels,
-        Height::FromZero(0.0),
-        pairs.map(curve).collect(),
-    )
+    let (labels, height) = (["z (mm)", "pressure (MPa)"], Height::FromZero(0.0));
+    Figure::lines(title, labels, height, pairs.map(curve).collect())
 }
 
 /// Profile and lead traces of each flank, as an inspection chart has them.
@@ -144,18 +136,17 @@ pub fn modifications(pair: &Pair) -> Section {
         let start = geometry.active_start_roll(i, geometry.center_distance);
         let pitch = gear.roll_length(geometry.operating_pitch_radius(i, geometry.center_distance));
         let trace = |ends: [f64; 2], coordinates: &dyn Fn(f64) -> [f64; 2]| {
-            let curve = |flank, name| {
+            let curve = |(flank, name)| {
                 let m = &pair.microgeometry.flank(flank)[i];
-                let along = (0..=TRACE_POINTS)
-                    .map(|k| ends[0] + (ends[1] - ends[0]) * k as f64 / TRACE_POINTS as f64);
-                let point = |at| {
-                    let [roll, z] = coordinates(at);
-                    (1e3 * at, -1e6 * m.removal(gear, roll, z))
+                let along = evenly(ends[0], ends[1], TRACE_POINTS).into_iter();
+                let point = |s| {
+                    let [roll, z] = coordinates(s);
+                    (1e3 * s, -1e6 * m.removal(gear, roll, z))
                 };
                 Curve::new(name, along.map(point))
             };
-            let [drive, coast] = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")]
-                .map(|(flank, name)| curve(flank, name));
+            let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
+            let [drive, coast] = flanks.map(curve);
             match drive.points == coast.points {
                 true => vec![Curve::new("both flanks", drive.points)],
                 false => vec![drive, coast],
@@ -176,8 +167,7 @@ pub fn modifications(pair: &Pair) -> Section {
     Section::new("Modifications as inspected (K-chart)", note, figures)
 }
 
-/// Stress of one tooth of either gear through the mesh for every case, and the fillets where it is largest at the torque
-/// `nominal`.
+/// Stress of one tooth of either gear through the mesh, and the fillets where it is largest at the torque `nominal`.
 pub fn roots(cases: &[Case], nominal: f64) -> Section {
     let curve = |case: &Case, i: usize| -> Option<Curve> {
         let teeth = case.roots.as_ref()?[i].teeth.iter();
@@ -204,7 +194,6 @@ pub fn roots(cases: &[Case], nominal: f64) -> Section {
     Section::new("Tooth root stress", note, figures)
 }
 
-/// None without load.
 fn fillet(gear: &GearRoots) -> Option<Map> {
     let top = 1e-6 * gear.largest()?.largest.stress;
     let rows = &gear.field;

@@ -62,8 +62,7 @@ pub struct Report {
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
 
-    /// Torques of curves and contact patterns, N m, with commas between them [default: 0.4, 0.7, 1, 1.3 and 2 times
-    /// the nominal torque up to the largest of the pair file]
+    /// Torques of curves and contact patterns, N m, with commas between them [default: 0.4, 0.7, 1, 1.3 and 2 times the nominal one]
     #[arg(long, value_name = "TORQUES", value_delimiter = ',', value_parser = limits::torque)]
     torques_nm: Vec<f64>,
 
@@ -112,8 +111,10 @@ impl Report {
             compare(&mut page.sections, sections, &name);
         }
         page.write(&self.output, self.figures.as_deref())?;
-        output::print(&format!("Wrote {}\n", self.output.display()))?;
-        Ok(())
+        Ok(output::print(&format!(
+            "Wrote {}\n",
+            self.output.display()
+        ))?)
     }
 
     fn loads(&self, pair: &Pair) -> Loads {
@@ -130,10 +131,7 @@ impl Report {
             nominal,
             torques,
             survey: evenly(largest / TORQUES as f64, largest, TORQUES),
-            tilts: match low < high {
-                true => evenly(low, high, MISALIGNMENTS),
-                false => vec![],
-            },
+            tilts: evenly(low, high, if low < high { MISALIGNMENTS } else { 0 }),
             positions: self.positions,
             speeds: evenly(speed / SPEEDS as f64, speed, SPEEDS),
         }
@@ -195,7 +193,7 @@ impl Report {
 type Described = Result<(String, Vec<Section>), Error>;
 
 fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let step = (high - low) / (count - 1) as f64;
+    let step = (high - low) / (count as f64 - 1.0);
     (0..count).map(|i| low + step * i as f64).collect()
 }
 
@@ -239,11 +237,11 @@ fn compare(sections: &mut Vec<Section>, others: Vec<Section>, name: &str) {
 
 /// Section with the results of `cases` in numbers.
 fn table(solver: &ContactSolver, cases: &[Case]) -> Section {
-    let notes = cases.iter().filter_map(|case| {
+    let note = |case: &Case| {
         let note = case.cycle.note_on_segments()?;
         Some(format!(" {}: {note}.", torque_in_words(case.input.torque)))
-    });
-    let notes: String = notes.collect();
+    };
+    let notes: String = cases.iter().filter_map(note).collect();
     let residuals = cases.iter().map(|case| case.cycle.kkt_residual());
     let residual = residuals.fold(0.0, f64::max);
     let note = format!(

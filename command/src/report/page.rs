@@ -18,7 +18,6 @@ pub struct Page {
 #[derive(Default)]
 pub struct Section {
     pub heading: String,
-    /// What it shows.
     pub note: String,
     pub text: String,
     /// Rows of cells, heads and units first.
@@ -40,7 +39,6 @@ impl Section {
         slug(&self.heading)
     }
 
-    /// The same with preformatted text.
     pub fn with_text(self, text: String) -> Section {
         Section { text, ..self }
     }
@@ -49,10 +47,12 @@ impl Section {
 /// Small letters and digits of `title` with hyphens between words: an anchor, the name of a file.
 fn slug(title: &str) -> String {
     // A sign distinguishes two charts.
-    let title = title.replace(" -", " minus ");
+    let title = title.replace(" -", " minus ").to_lowercase();
     let words = title.split(|c: char| !c.is_alphanumeric());
-    let words = words.filter(|w| !w.is_empty()).map(str::to_lowercase);
-    words.collect::<Vec<_>>().join("-")
+    words
+        .filter(|w| !w.is_empty())
+        .collect::<Vec<_>>()
+        .join("-")
 }
 
 impl Page {

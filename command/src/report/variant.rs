@@ -13,13 +13,11 @@ pub struct Loads {
     pub nominal: f64,
     /// Torques of the curves over the mesh cycle, N m.
     pub torques: Vec<f64>,
-    /// Torques up to the largest one.
     pub survey: Vec<f64>,
     /// Misalignments over their range, rad; empty where there is none.
     pub tilts: Vec<f64>,
     /// Positions over the mesh cycle at `torques`.
     pub positions: usize,
-    /// Speeds of gear 1, rpm.
     pub speeds: Vec<f64>,
 }
 
@@ -37,8 +35,7 @@ impl Variant<'_> {
         }
     }
 
-    /// Mesh cycles of the drive flank for each of `torques` (N m) with each of `misalignments` (rad). Tables know STE,
-    /// stiffness and z_c.
+    /// Mesh cycles of the drive flank for each of `torques` (N m) with each of `misalignments` (rad); tables know STE, stiffness, z_c.
     pub fn cases(
         &self,
         torques: &[f64],
@@ -57,10 +54,7 @@ impl Variant<'_> {
             Variant::Pair(solver, fillets) => {
                 Case::solve_all(solver, *fillets, &input(&loads[0]), &loads, &|_| {})
             }
-            Variant::Tables(table) => {
-                let case = |load| of_table(table, input(load));
-                Ok(loads.iter().map(case).collect())
-            }
+            Variant::Tables(table) => Ok(loads.iter().map(|l| of_table(table, input(l))).collect()),
         }
     }
 }
@@ -70,21 +64,15 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
     let force = input.torque / geometry.gears[0].base_radius();
     let (flank, _) = table.flank(Flank::Drive);
     let result = |&mesh_position: &f64| {
-        let pose = Query {
+        let mut pose = Query {
             misalignment: input.misalignment,
             mesh_position,
             ..Query::default()
         };
-        let approach = flank.approach_at(force, &pose);
-        let found = flank.evaluate(
-            &Query {
-                delta: approach,
-                ..pose
-            },
-            false,
-        );
+        pose.delta = flank.approach_at(force, &pose);
+        let found = flank.evaluate(&pose, false);
         ContactResult {
-            approach,
+            approach: pose.delta,
             contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],
             tangent: Tangent {
                 force_by_approach: found.hessian[0][0],
@@ -95,17 +83,16 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
     };
     let positions = (0..input.positions).map(|i| i as f64 / input.positions as f64);
     let mesh_position: Vec<f64> = positions.collect();
-    let cycle = MeshCycle {
-        results: mesh_position.iter().map(result).collect(),
-        mesh_position,
-        sliding: vec![],
-        friction: vec![],
-        loads: vec![],
-        solve_seconds: 0.0,
-    };
     Case {
         input,
-        cycle,
+        cycle: MeshCycle {
+            results: mesh_position.iter().map(result).collect(),
+            mesh_position,
+            sliding: vec![],
+            friction: vec![],
+            loads: vec![],
+            solve_seconds: 0.0,
+        },
         face_load: FaceLoad::default(),
         roots: None,
     }

@@ -6,7 +6,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::PossibleValuesParser;
 use gearmesh::contact::Deflection;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
@@ -17,7 +17,6 @@ use serde_json::json;
 
 use crate::Error;
 use crate::case::{Case, load_matrix, summary};
-use crate::columns::Column;
 use crate::limits;
 use crate::model::{Model, ModelArgs, widen};
 use crate::output::{self, Listing, rows};
@@ -42,18 +41,12 @@ pub struct Solve {
     center_distance_offset_um: f64,
 
     /// Misalignments in the plane of action, mrad, separated by commas; > 0: more penetration at larger z
-    #[arg(
-        long,
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        default_values_t = [0.0],
-        value_parser = limits::within(limits::MISALIGNMENTS)
-    )]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, default_values_t = [0.0], value_parser = limits::within(limits::MISALIGNMENTS))]
     misalignment_mrad: Vec<f64>,
 
     /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
-    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(flank))]
-    flank: Flank,
+    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]))]
+    flank: String,
 
     #[command(flatten)]
     deflection: DeflectionArgs,
@@ -70,8 +63,7 @@ pub struct Solve {
     #[arg(long)]
     json: bool,
 
-    /// Folder for load distribution, mesh cycle, stiffness, load along the face and a summary as CSV files, too; it
-    /// is made if it is not there
+    /// Folder for load distribution, mesh cycle, stiffness, load along the face and a summary as CSV files, made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 
@@ -84,18 +76,9 @@ fn torque(text: &str) -> Result<f64, String> {
         .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))
 }
 
-fn flank(name: String) -> Flank {
-    match name.as_str() {
-        "coast" => Flank::Coast,
-        _ => Flank::Drive,
-    }
-}
-
-/// Cycles and what it took to solve them.
 struct Solved {
     pair: Pair,
     model: Model,
-    /// One for each load.
     cases: Vec<Case>,
 }
 
@@ -140,11 +123,16 @@ impl Solve {
             text += &difference(&solved, &other);
         }
         drop(job);
-        output::print(&text)?;
-        Ok(())
+        Ok(output::print(&text)?)
     }
 
-    /// Every torque with every misalignment.
+    fn flank(&self) -> Flank {
+        match &*self.flank {
+            "coast" => Flank::Coast,
+            _ => Flank::Drive,
+        }
+    }
+
     fn loads(&self, pair: &Pair) -> Result<Vec<LoadCase>, Error> {
         let mut torques = self.torque_nm.clone();
         if torques.is_empty() {
@@ -166,13 +154,13 @@ impl Solve {
         deflection: Option<&Deflection>,
         job: &Job,
     ) -> Result<Solved, Error> {
-        let roots = self.model.root_stress.then_some(self.flank);
+        let roots = self.model.root_stress.then_some(self.flank());
         let mut model = self.model.model(&pair, roots, job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
         }
         let input = CycleInput {
-            flank: self.flank,
+            flank: self.flank(),
             torque: loads[0].torque,
             center_distance_offset: self.center_distance_offset_um * 1e-6,
             misalignment: loads[0].misalignment,
@@ -196,7 +184,8 @@ fn difference(solved: &Solved, other: &Solved) -> String {
     }
     for column in &columns {
         let both = solved.cases.iter().zip(&other.cases);
-        let shares = both.filter_map(|(a, b)| share(column, a, b));
+        let share = |(a, b)| Some(column.number(&a)? / column.number(&b)? - 1.0);
+        let shares = both.filter_map(share).filter(|share| share.is_finite());
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
         let words = worst.map_or("none to give: it is zero".into(), |worst| {
             format!("{:+.2} %", 100.0 * worst)
@@ -210,30 +199,17 @@ fn difference(solved: &Solved, other: &Solved) -> String {
     format!("\nestimated error, from the difference to another refinement\n{rows}")
 }
 
-/// How far the result of `a` is from that of `b`, over the latter.
-fn share<'c>(column: &Column<&'c Case>, a: &'c Case, b: &'c Case) -> Option<f64> {
-    let [a, b] = [a, b].map(|case| (column.value)(&case).as_f64());
-    Some(a? / b? - 1.0).filter(|share| share.is_finite())
-}
-
 /// How shafts and housing bend, in addition to the misalignment.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Deflection along the face")]
 struct DeflectionArgs {
-    /// CSV with the columns z_mm (from gear 1's z = 0 face) and closing_um: how far the flanks come closer there on
-    /// the line of action before they bear load
+    /// CSV with z_mm (from gear 1's z = 0 face) and closing_um: how far the flanks come closer there before they bear load
     #[arg(long, value_name = "CSV", conflicts_with = "bow_um")]
     deflection: Option<PathBuf>,
 
     /// How much less both ends of the face close than its middle, um, parabolic, 0 at mid-face
     #[arg(long, default_value_t = 0.0, value_parser = limits::within(-LARGEST_UM..=LARGEST_UM))]
     bow_um: f64,
-}
-
-#[derive(Deserialize)]
-struct Row {
-    z_mm: f64,
-    closing_um: f64,
 }
 
 /// Largest closing that is read, um: a hundred times what shafts do.
@@ -253,6 +229,11 @@ impl DeflectionArgs {
 }
 
 fn curve(path: &Path) -> Result<Deflection, Error> {
+    #[derive(Deserialize)]
+    struct Row {
+        z_mm: f64,
+        closing_um: f64,
+    }
     // The reader counts a line only at its \n, after the position of the next one.
     let text = output::read_text(path)?.replace("\r\n", "\n");
     let mut reader = csv::ReaderBuilder::new()

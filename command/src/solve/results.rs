@@ -5,13 +5,11 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use gearmesh::contact::RootPoint;
 use gearmesh::contact::{ContactSolver, SegmentLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::contact::{
-    FaceLoad, GearRoots, HARMONICS, Harmonic, ToothRoot, harmonics,
-};
-use gearmesh_preprocessor::finite_element::RootPoint;
+use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, harmonics};
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 
@@ -40,7 +38,6 @@ pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes all files of the `cases` of `solver` into `folder`.
 pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<(), Error> {
     let geometry = solver.geometry();
     let mut pairs: Vec<i32> = cases.iter().flat_map(|c| c.cycle.tooth_pairs()).collect();
@@ -92,33 +89,31 @@ pub fn json(
         more(&format!("{of}harmonics_{unit}"), list(|h| h.amplitude));
         more(&format!("{of}harmonics_phase_rad"), list(|h| h.phase));
     }
-    let face = &case.face_load;
-    more("face_z_mm", face.z.iter().map(|z| 1e3 * z).collect());
-    more(
-        "face_load_n_per_mm",
-        face.load.iter().map(|load| 1e-3 * load).collect(),
-    );
+    let FaceLoad { z, load } = &case.face_load;
+    more("face_z_mm", z.iter().map(|z| 1e3 * z).collect());
+    let load = load.iter().map(|load| 1e-3 * load);
+    more("face_load_n_per_mm", load.collect());
     if let Some(gears) = &case.roots {
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
-            let stresses = |gear: &GearRoots| gear.over_cycle(cycle.results.len(), stress);
-            let mpa = |stresses: Vec<f64>| stresses.iter().map(|s| 1e-6 * s).collect::<Vec<f64>>();
-            json!(gears.each_ref().map(|gear| mpa(stresses(gear))))
+            let stress = |tooth: &ToothRoot| Some(1e-6 * stress(tooth)?);
+            json!(
+                gears
+                    .each_ref()
+                    .map(|gear| gear.over_cycle(cycle.results.len(), stress))
+            )
         };
         more("root_stress_mpa", over_cycle(|t| Some(t.largest.stress)));
-        more(
-            "root_stress_at_tangent_mpa",
-            over_cycle(|t| Some(t.at_tangent?.stress)),
-        );
+        let at_tangent = over_cycle(|t| Some(t.at_tangent?.stress));
+        more("root_stress_at_tangent_mpa", at_tangent);
         let largest = [0, 1].map(|i| {
-            let mut tooth = object(&root_stress(), &largest_tooth(case, i)?);
-            for (column, key) in [
-                ("root_stress_mpa", "stress_mpa"),
-                ("root_stress_at_tangent_mpa", "at_tangent_mpa"),
-            ] {
-                let value = tooth.remove(column)?;
-                tooth.insert(key.into(), value);
-            }
-            Some(tooth)
+            let tooth = object(&root_stress(), &largest_tooth(case, i)?).into_iter();
+            let key = |name: String| name.trim_start_matches("root_").to_owned();
+            let key = |name: String| key(name).replace("stress_at", "at");
+            Some(
+                tooth
+                    .map(|(name, value)| (key(name), value))
+                    .collect::<Map<_, _>>(),
+            )
         });
         more("largest_root_stress", json!(largest));
         let nominal = [0, 1].map(|i| Some(object(&nominal(), &nominal_stress(solver, case, i)?)));
@@ -128,7 +123,6 @@ pub fn json(
     json
 }
 
-/// What is to be known of the results, one sentence each.
 pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
     let on_teeth = pair::note_on_teeth(&pair.teeth).map(String::from);
     let notes = [on_teeth, case.cycle.note_on_segments()];
@@ -141,7 +135,6 @@ pub fn at_positions(case: &Case) -> impl Iterator<Item = At<'_>> + Clone {
     (0..case.cycle.results.len()).map(move |i| (i, case))
 }
 
-/// The cycle position by position, with the shares of the tooth pairs `pairs`.
 pub fn positions<'r>(pairs: &[i32]) -> Vec<Column<'static, At<'r>>> {
     let mut columns = columns! { |(i, c): &At|
         "mesh_position", ["mesh", "position", 4] => c.cycle.mesh_position[*i];
@@ -176,14 +169,12 @@ fn stiffness<'r>(geometry: &PairGeometry) -> Vec<Column<'static, At<'r>>> {
     }
 }
 
-/// Number of a position with a segment of its contact lines.
 type AtSegment<'a> = (At<'a>, &'a SegmentLoad);
 
 fn segments(case: &Case) -> impl Iterator<Item = AtSegment<'_>> {
     at_positions(case).flat_map(|at| case.cycle.loads[at.0].iter().map(move |s| (at, s)))
 }
 
-/// Line load, pressure and gap of a segment at a mesh position.
 fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<'r>>> {
     let cos_beta_b = geometry.base_helix_angle().cos();
     let diameter = |i: usize, s: &SegmentLoad| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
@@ -258,7 +249,6 @@ pub fn losses<'c>(pair: &'c Pair, case: &'c Case) -> Vec<Column<'c, f64>> {
 
 pub struct Tooth<'a> {
     case: &'a Case,
-    /// 0 or 1.
     gear: usize,
     root: &'a ToothRoot,
 }
@@ -315,7 +305,6 @@ fn root_field<'r>() -> Vec<Column<'static, (Tooth<'r>, &'r RootPoint)>> {
     }
 }
 
-/// Nominal stress of gear `i`; None where the standard does not go.
 pub fn nominal_stress(solver: &ContactSolver, case: &Case, i: usize) -> Option<NominalRootStress> {
     NominalRootStress::new(solver.geometry(), i, case.input.torque)
 }

@@ -42,7 +42,6 @@ pub fn text(solved: &Solved, speeds: &[f64]) -> String {
     text + &format!("\n{rows}") + &all_notes(solved)
 }
 
-/// One cycle, position by position.
 fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> String {
     let solver = &solved.model.solver;
     let harmonics = case.cycle.harmonics().map(|h| h.map(|h| 1e6 * h.amplitude));
@@ -61,18 +60,17 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
     list(rows, &details(solver), &case);
     rows! { rows; "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual(); }
     if !speeds.is_empty() {
-        let losses = table(&losses(&solved.pair, case), speeds.iter().copied());
-        text += &format!("\n{losses}");
+        text += "\n";
+        text += &table(&losses(&solved.pair, case), speeds.iter().copied());
     }
     if case.roots.is_some() {
         let largest = (0..2).filter_map(|i| largest_tooth(case, i));
         text += &format!("\n{}", table(&root_stress(), largest));
         for i in 0..2 {
             let mut terms = Listing::default();
-            if let Some(stress) = nominal_stress(solver, case, i) {
-                list(&mut terms, &nominal(), &stress);
-            } else {
-                terms.row("beyond the standard", "(rim or notch)");
+            match nominal_stress(solver, case, i) {
+                Some(stress) => list(&mut terms, &nominal(), &stress),
+                None => terms.row("beyond the standard", "(rim or notch)"),
             }
             rows.row(format!("ISO 6336-3, gear {}", i + 1), terms.in_one_line());
         }
@@ -80,7 +78,6 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
     text
 }
 
-/// Many cycles, a line for each.
 fn many(solved: &Solved, cases: &[Case]) -> String {
     let mut columns = load();
     columns.extend(summary(&solved.model.solver));
@@ -93,21 +90,18 @@ fn many(solved: &Solved, cases: &[Case]) -> String {
     text
 }
 
-/// What the heads of [`largest_root_stress`] mean.
 const ROOT_LEGEND: &str = "\
 root stress: largest principal stress in the fillets of a gear over the mesh cycle; at tangent: the same at the
 30 degree tangent (ring: 60 degrees).
 ";
 
 pub fn largest_root_stress<'r>() -> Vec<Column<'static, &'r Case>> {
-    let mut columns = Vec::new();
-    for (i, gear) in [(0, 1), (1, 2)] {
-        columns.extend(columns! { |c: &&Case|
-            "", [format!("root stress {gear}"), "MPa", 1] => c.root_stress(i);
-            "", [format!("at tangent {gear}"), "MPa", 1] => c.root_stress_at_tangent(i);
-        });
+    columns! { |c: &&Case|
+        "", ["root stress 1", "MPa", 1] => c.root_stress(0);
+        "", ["at tangent 1", "MPa", 1] => c.root_stress_at_tangent(0);
+        "", ["root stress 2", "MPa", 1] => c.root_stress(1);
+        "", ["at tangent 2", "MPa", 1] => c.root_stress_at_tangent(1);
     }
-    columns
 }
 
 /// What is to be known of the results, each sentence with the loads that it is about if it is not about all.

@@ -24,14 +24,13 @@ use crate::case::{Case, load_matrix};
 use crate::limits;
 use crate::model::{Model, ModelArgs, widen};
 use crate::output;
-use samples::{Sample, Table, outcomes};
+use samples::{Outcome, Sample, outcomes};
 pub use show::bands_of;
-use statistics::{Best, BestArgs, Statistics};
+use statistics::{Best, BestArgs, Measure, Statistics};
 use variation::{Plan, Requested, Variation};
 
 const FLANK: Flank = Flank::Drive;
 
-/// Most mesh cycles of a study.
 const MOST_CYCLES: usize = 1_000_000;
 
 /// What can be varied in addition to fields of the pair file.
@@ -39,8 +38,8 @@ const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
 
 /// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
 ///
-/// A grid has every combination of its values, and its best point is written as a pair file. Every sample is the same
-/// in every run with the same seed. A study that was stopped goes on where it was when it is started again.
+/// A grid has every combination of its values, and its best point is written as a pair file. A study that was stopped goes on
+/// where it was when it is started again.
 #[derive(Debug, Args)]
 pub struct Study {
     /// Pair file
@@ -52,8 +51,7 @@ pub struct Study {
     #[arg(long, value_name = "FIELD=VALUES")]
     vary: Vec<Requested>,
 
-    /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
-    /// f_HaT and f_HbT about the values in the file
+    /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile and helix slope of both gears are drawn within its f_HaT and f_HbT
     #[arg(long, value_name = "CLASS", value_parser = class)]
     iso_1328_class: Option<u8>,
 
@@ -91,35 +89,32 @@ pub struct Study {
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     pair: &'a str,
-    /// Of everything that the samples depend on.
     identity: &'a str,
     seed: u64,
     distribution: &'static str,
-    /// The grid first.
     varied: Vec<&'a Variation>,
     torques_nm: &'a [f64],
     samples: usize,
     refused: usize,
     /// Of the grid, by the measure that was chosen.
-    best: Option<&'a Best>,
+    best: Option<Best>,
     /// Of the pair as drawn at each torque, then of the best point.
     statistics: Vec<Statistics>,
     /// What is to be known of the results, one sentence each; empty where there is nothing.
     notes: Vec<&'static str>,
 }
 
-/// Everything that solving a sample takes.
-struct Bench<'a> {
-    draft: &'a PairDraft,
-    /// The pair as drawn, its operating range widened to what is varied.
-    pair: Pair,
-    model: Model,
-    plan: &'a Plan,
-    torques: &'a [f64],
+/// What a study varies and solves, and how its points are judged.
+pub struct Setup {
+    draft: PairDraft,
+    plan: Plan,
+    torques: Vec<f64>,
+    outcomes: Vec<Outcome>,
+    measure: Measure,
+    seed: u64,
     positions: usize,
 }
 
-/// A tolerance class of ISO 1328-1.
 fn class(text: &str) -> Result<u8, String> {
     let class = text.parse().ok().filter(|c| tolerance::CLASSES.contains(c));
     class.ok_or_else(|| "give a class from 1 to 11, a bare number".into())
@@ -134,37 +129,30 @@ impl Study {
             torques.push(pair.operating.nominal_torque);
         }
         let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
-        check(&plan, &draft, &pair)?;
-        if (plan.grid.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
-            refuse!(
-                "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
-            );
-        }
-        if plan.is_varied("torque_nm") && torques.len() > 1 {
-            refuse!(
-                "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
-            );
-        }
         let samples = match (plan.drawn.is_empty(), self.samples) {
             (true, _) => 0,
             (_, Some(samples)) => samples,
             _ if plan.grid.is_empty() => 500,
             _ => 20,
         };
-        let points = plan.points();
-        let cycles = [samples + 1, torques.len()].into_iter();
-        let count = cycles.fold(points + 1, usize::saturating_mul);
-        limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
-            format!("points of the grid times samples times torques = {count}: {e}")
-        })?;
         let outcomes = outcomes(self.model.root_stress);
-        let measure = self.best.measure(&outcomes, &torques)?;
+        let setup = Setup {
+            measure: self.best.measure(&outcomes, &torques)?,
+            draft,
+            plan,
+            torques,
+            outcomes,
+            seed: self.seed,
+            positions: self.positions,
+        };
+        setup.check(&pair, samples)?;
+        let Setup { plan, torques, .. } = &setup;
         let range = |field: &str, unit: f64, drawn: f64| {
             let varied = plan.all().filter(|v| v.fields().any(|f| f == field));
             let ends = varied.map(|v| [v.low, v.high].map(|end| end * unit));
             ends.fold([drawn; 2], |[low, high], [a, b]| [low.min(a), high.max(b)])
         };
-        for &torque in &torques {
+        for &torque in torques {
             let most = range("torque_nm", 1.0, torque)[1];
             let tilts = range("misalignment_mrad", 1e-3, 0.0);
             let offsets = range("center_distance_offset_um", 1e-6, 0.0);
@@ -177,19 +165,13 @@ impl Study {
         for path in [&table, &summary, &page, &best] {
             output::check_writable(path, [&self.pair])?;
         }
-        let identity = self.identity(&pair, &plan, &torques);
-        let table = Table {
-            path: &table,
-            plan: &plan,
-            torques: &torques,
-            outcomes: &outcomes,
+        let identity = self.identity(&pair, &setup);
+        let mut done = match !self.restart && is_begun(&summary, &identity)? {
+            true => setup.read(&table)?,
+            false => Vec::new(),
         };
-        let mut done = Vec::new();
-        if !self.restart && is_begun(&summary, &identity)? {
-            done = table.read()?;
-        }
         // More samples than requested now stay in the table.
-        let all = (0..=points).flat_map(|point| (0..=samples).map(move |number| (point, number)));
+        let all = (0..=plan.points()).flat_map(|p| (0..=samples).map(move |number| (p, number)));
         let is_missing = |id: &(usize, usize)| done.iter().all(|s| (s.point, s.number) != *id);
         let missing: Vec<(usize, usize)> = all.filter(is_missing).collect();
         let name = pair.name.clone();
@@ -199,85 +181,75 @@ impl Study {
             seed: self.seed,
             distribution: "even",
             varied: plan.all().collect(),
-            torques_nm: &torques,
+            torques_nm: torques,
             samples,
             refused: 0,
             best: None,
             statistics: Vec::new(),
             notes: pair::note_on_teeth(&pair.teeth).into_iter().collect(),
         };
-        write_json(&summary, &all)?;
+        all.write(&summary)?;
 
         let job = self.model.start()?;
         let roots = self.model.root_stress.then_some(FLANK);
-        let bench = Bench {
-            model: self.model.model(&pair, roots, &job)?,
-            draft: &draft,
-            pair,
-            plan: &plan,
-            torques: &torques,
-            positions: self.positions,
-        };
+        let model = self.model.model(&pair, roots, &job)?;
         let finished = AtomicUsize::new(0);
         // A block at a time is written, so that little is lost by a kill.
         for block in missing.chunks(4 * rayon::current_num_threads()) {
             let solved = block.par_iter().map(|&(point, number)| {
-                let sample = bench.sample(point, number, self.seed);
+                let sample = setup.sample(&pair, &model, point, number);
                 let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
                 job.show("samples", count as f64 / missing.len() as f64);
                 sample
             });
             done.par_extend(solved);
             done.sort_by_key(|sample| (sample.point, sample.number));
-            table.write(&done)?;
+            setup.write(&table, &done)?;
         }
         drop(job);
 
-        let found = measure.best(&plan, &done)?;
-        for point in [0].into_iter().chain(found.as_ref().map(|best| best.point)) {
-            all.statistics.extend(spread(&done, point, &table)?);
+        all.best = setup.best(&done)?;
+        for point in [0]
+            .into_iter()
+            .chain(all.best.as_ref().map(|best| best.point))
+        {
+            all.statistics.extend(setup.spread(&done, point)?);
         }
-        if let Some(found) = &found {
-            let values = plan.values(found.point, 0, self.seed);
-            let mut draft = changed(&draft, &plan, &values)?;
+        if let Some(found) = &all.best {
+            let mut draft = setup.changed(&plan.values(found.point, 0, self.seed))?;
             draft.rename(&format!("{name}-best"));
             output::write_whole(&best, draft.to_json().as_bytes())?;
         }
-        all.best = found.as_ref();
         all.refused = done.iter().filter(|s| s.outcome.is_err()).count();
         all.samples = done.iter().map(|s| s.number).max().unwrap_or(0);
-        write_json(&summary, &all)?;
+        all.write(&summary)?;
         let study = show::Shown {
             summary: &all,
-            plan: &plan,
-            outcomes: &outcomes,
+            setup: &setup,
             done: &done,
-            measure: &measure,
         };
         let text = study.text();
         let figures = self.output.join("figures");
         output::make_folder("--output", &figures)?;
         study.page(&text).write(&page, Some(&figures))?;
-        output::print(&text)?;
-        Ok(())
+        Ok(output::print(&text)?)
     }
 
-    /// Hash of everything that the samples depend on.
-    fn identity(&self, pair: &Pair, plan: &Plan, torques: &[f64]) -> String {
+    fn identity(&self, pair: &Pair, Setup { plan, torques, .. }: &Setup) -> String {
         let all = format!(
-            "{} {pair:?} {plan:?} {} {} {torques:?} {:?}",
+            "{} {pair:?} {plan:?} {} {} {torques:?} {:?} {}{}",
             env!("CARGO_PKG_VERSION"),
             self.seed,
             self.positions,
-            self.model.contact_settings(pair)
+            self.model.contact_settings(pair),
+            self.model.plane_strain,
+            if self.model.root_stress {
+                " root stress"
+            } else {
+                ""
+            }
         );
-        let roots = if self.model.root_stress {
-            " root stress"
-        } else {
-            ""
-        };
-        let plane = self.model.plane_strain;
-        hex(&Sha256::digest(format!("{all} {plane}{roots}"))[..16])
+        hex(&Sha256::digest(all)[..16])
     }
 }
 
@@ -297,20 +269,11 @@ fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
     Ok(true)
 }
 
-fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
-    let text = serde_json::to_string_pretty(summary)? + "\n";
-    Ok(output::write_whole(path, text.as_bytes())?)
-}
-
-/// `draft` with the `values` of the fields of `plan` that differ from those as drawn, loads apart.
-fn changed(draft: &PairDraft, plan: &Plan, values: &[f64]) -> Result<PairDraft, Error> {
-    let mut draft = draft.clone();
-    for ((field, drawn), value) in plan.fields.iter().zip(values) {
-        if value != drawn && load_limit(field, *value).is_none() {
-            draft.set(field, *value)?;
-        }
+impl Summary<'_> {
+    fn write(&self, path: &Path) -> Result<(), Error> {
+        let text = serde_json::to_string_pretty(self)? + "\n";
+        Ok(output::write_whole(path, text.as_bytes())?)
     }
-    Ok(draft)
 }
 
 /// Whether a load may have `value`; None where `field` is no load.
@@ -324,131 +287,145 @@ fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
     Some(limits::check(Some(value), &range))
 }
 
-/// Refuses a field that there is not, values that the pair file may not have, and what changes the teeth
-/// themselves, before anything is computed.
-fn check(plan: &Plan, draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
-    // Fields of a grid may need each other.
-    let base = match plan.points() {
-        0 => draft.clone(),
-        _ => changed(draft, plan, &plan.values(1, 0, 0))?,
-    };
-    for variation in plan.all() {
-        let field = &variation.field;
-        let mut acts = false;
-        let mut flanks = vec![pair.microgeometry.flank(FLANK).clone()];
-        for value in [variation.low, variation.high] {
-            let mut changed = base.clone();
-            for name in variation.fields() {
-                match load_limit(name, value) {
-                    Some(load) => {
-                        load.map_err(|e| format!("--vary {name} = {}: {e}", number(value)))?;
-                        acts = true;
-                    }
-                    None => changed.set(name, value)?,
-                }
+impl Setup {
+    /// The pair file with the `values` of varied fields that differ from those as drawn, loads apart.
+    fn changed(&self, values: &[f64]) -> Result<PairDraft, Error> {
+        let mut draft = self.draft.clone();
+        for ((field, drawn), value) in self.plan.fields.iter().zip(values) {
+            if value != drawn && load_limit(field, *value).is_none() {
+                draft.set(field, *value)?;
             }
-            let found = changed.pair().map_err(|e| format!("--vary {field}: {e}"))?;
-            if found.teeth != pair.teeth {
-                refuse!(
-                    "--vary {field}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
-                     {LOADS}"
-                );
-            }
-            if found.geometry != pair.geometry {
-                refuse!(
-                    "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
-                     its own; vary modifications, {LOADS}"
-                );
-            }
-            flanks.push(found.microgeometry.flank(FLANK).clone());
         }
-        acts |= flanks.iter().any(|flank| *flank != flanks[0]);
-        if !acts {
+        Ok(draft)
+    }
+
+    /// Refuses what is not there, what `pair` may not have, what changes the teeth or nothing, and more than can be solved,
+    /// before anything is computed.
+    fn check(&self, pair: &Pair, samples: usize) -> Result<(), Error> {
+        let Setup { plan, torques, .. } = self;
+        // Fields of a grid may need each other.
+        let base = match plan.points() {
+            0 => self.draft.clone(),
+            _ => self.changed(&plan.values(1, 0, 0))?,
+        };
+        for variation in plan.all() {
+            let field = &variation.field;
+            let mut acts = false;
+            let drawn = pair.microgeometry.flank(FLANK);
+            let mut flanks = vec![drawn.clone()];
+            for value in [variation.low, variation.high] {
+                let mut changed = base.clone();
+                for name in variation.fields() {
+                    match load_limit(name, value) {
+                        Some(load) => {
+                            load.map_err(|e| format!("--vary {name} = {}: {e}", number(value)))?;
+                            acts = true;
+                        }
+                        None => changed.set(name, value)?,
+                    }
+                }
+                let found = changed.pair().map_err(|e| format!("--vary {field}: {e}"))?;
+                if found.teeth != pair.teeth {
+                    refuse!(
+                        "--vary {field}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth \
+                         have, {LOADS}"
+                    );
+                }
+                if found.geometry != pair.geometry {
+                    refuse!(
+                        "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
+                         its own; vary modifications, {LOADS}"
+                    );
+                }
+                flanks.push(found.microgeometry.flank(FLANK).clone());
+            }
+            if !acts && flanks.iter().all(|flank| flank == drawn) {
+                refuse!(
+                    "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment \
+                     and centre distance of the command line; vary modifications of that flank, {LOADS}"
+                );
+            }
+        }
+        if (plan.grid.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
             refuse!(
-                "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and \
-                 centre distance of the command line; vary modifications of that flank, {LOADS}"
+                "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
             );
         }
+        if plan.is_varied("torque_nm") && torques.len() > 1 {
+            refuse!(
+                "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
+            );
+        }
+        let factors = [plan.points() + 1, samples + 1, torques.len()].into_iter();
+        let count = factors.fold(1, usize::saturating_mul);
+        limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
+            format!("points of the grid times samples times torques = {count}: {e}")
+        })?;
+        Ok(())
     }
-    Ok(())
-}
 
-impl Bench<'_> {
     /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
-    fn sample(&self, point: usize, number: usize, seed: u64) -> Sample {
-        let fields = self.plan.values(point, number, seed);
+    fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
+        let fields = self.plan.values(point, number, self.seed);
+        let outcome = self.solve(pair, model, &fields);
         Sample {
             point,
             number,
-            outcome: self.solve(&fields).map_err(|error| error.to_string()),
+            outcome: outcome.map_err(|error| error.to_string()),
             fields,
         }
     }
 
-    fn solve(&self, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+    /// The outcomes at each torque of `pair`, whose operating range is widened to what is varied, with the `values` of the fields.
+    fn solve(&self, pair: &Pair, model: &Model, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let load = |name: &str| {
             let index = self.plan.fields.iter().position(|(field, _)| field == name);
             index.map(|k| values[k])
         };
         let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
-        let torques = match load("torque_nm") {
-            Some(torque) => &[torque][..],
-            None => self.torques,
-        };
-        let loads = load_matrix(torques, &[misalignment]);
+        let torque = load("torque_nm").map(|torque| vec![torque]);
+        let loads = load_matrix(&torque.unwrap_or(self.torques.clone()), &[misalignment]);
         let input = CycleInput {
             flank: FLANK,
-            torque: torques[0],
+            torque: loads[0].torque,
             center_distance_offset: 1e-6 * load("center_distance_offset_um").unwrap_or(0.0),
             misalignment,
             positions: self.positions,
         };
-        let changed = changed(self.draft, self.plan, values)?.pair()?;
         let pair = Pair {
-            microgeometry: changed.microgeometry,
-            ..self.pair.clone()
+            microgeometry: self.changed(values)?.pair()?.microgeometry,
+            ..pair.clone()
         };
-        let compliance = self.model.compliance.clone();
-        let solver = ContactSolver::new(&pair, compliance, *self.model.solver.settings())?;
-        let mut results = Vec::new();
-        let fillets = self.model.fillets.as_ref();
-        for case in Case::solve_all(&solver, fillets, &input, &loads, &|_| ())? {
-            let outcomes = outcomes(fillets.is_some());
-            let values = outcomes
-                .iter()
-                .map(|outcome| (outcome.value)(&&case).as_f64());
-            results.push(values.map(|v| v.map_or(f64::NAN, rounded)).collect());
-        }
-        Ok(results)
+        let solver = ContactSolver::new(&pair, model.compliance.clone(), *model.solver.settings())?;
+        let cases = Case::solve_all(&solver, model.fillets.as_ref(), &input, &loads, &|_| ())?;
+        let values = |case: &Case| {
+            let values = self.outcomes.iter().map(|outcome| outcome.number(case));
+            values.map(|v| v.map_or(f64::NAN, rounded)).collect()
+        };
+        Ok(cases.iter().map(values).collect())
     }
-}
 
-/// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
-/// point itself.
-fn spread(done: &[Sample], point: usize, table: &Table) -> Result<Vec<Statistics>, Error> {
-    let all = || done.iter().filter(|s| s.point == point);
-    let drawn = all().find(|s| s.number == 0);
-    let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
-    if let Err(error) = &drawn.outcome {
-        refuse!("the pair as drawn: {error}");
-    }
-    let is_drawn = all().any(|s| s.number > 0);
-    let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
-    let solved: Vec<&Sample> = solved.collect();
-    if solved.is_empty() {
-        refuse!("no sample could be solved; samples.csv says why");
-    }
-    let mut all = Vec::new();
-    for (t, &torque) in table.torques.iter().enumerate() {
-        for (k, outcome) in table.outcomes.iter().enumerate() {
-            all.push(Statistics::new(
-                &outcome.name,
-                k,
-                (t, torque),
-                drawn,
-                &solved,
-            ));
+    /// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
+    /// point itself.
+    fn spread(&self, done: &[Sample], point: usize) -> Result<Vec<Statistics>, Error> {
+        let all = || done.iter().filter(|s| s.point == point);
+        let drawn = all().find(|s| s.number == 0);
+        let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
+        if let Err(error) = &drawn.outcome {
+            refuse!("the pair as drawn: {error}");
         }
+        let is_drawn = all().any(|s| s.number > 0);
+        let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
+        let solved: Vec<&Sample> = solved.collect();
+        if solved.is_empty() {
+            refuse!("no sample could be solved; samples.csv says why");
+        }
+        let mut all = Vec::new();
+        for (t, &torque) in self.torques.iter().enumerate() {
+            for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
+                all.push(Statistics::new(name, k, (t, torque), drawn, &solved));
+            }
+        }
+        Ok(all)
     }
-    Ok(all)
 }

@@ -5,10 +5,10 @@ use std::path::Path;
 use gearmesh::words::{count, fixed, rounded, shown};
 use serde::Deserialize;
 
-use super::Summary;
 use super::samples::{Outcome, Sample, outcomes};
-use super::statistics::{Measure, Statistics, ascending};
-use super::variation::{Plan, Variation};
+use super::statistics::{Statistics, ascending};
+use super::variation::Variation;
+use super::{Setup, Summary};
 use crate::Error;
 use crate::case::torque_in_words;
 use crate::columns::{columns, table};
@@ -16,7 +16,6 @@ use crate::output::{self, Listing};
 use crate::report::figure::{Curve, Figure, Height, Map, Style, charts};
 use crate::report::page::{Page, Section};
 
-/// What the correlations mean.
 const CORRELATIONS: &str = "
 The first correlation is near zero for a field that acts alike in both directions; the second one, of how far the field
 is from its value as drawn, shows it. What fields do together (slopes of both gears that cancel) shows in neither.
@@ -25,28 +24,21 @@ is from its value as drawn, shows it. What fields do together (slopes of both ge
 /// Points of a grid in the table of the best ones.
 const BEST: usize = 10;
 
-/// A study that was solved.
 pub struct Shown<'a> {
     pub summary: &'a Summary<'a>,
-    pub plan: &'a Plan,
-    pub outcomes: &'a [Outcome<'static>],
+    pub setup: &'a Setup,
     pub done: &'a [Sample],
-    pub measure: &'a Measure,
 }
 
 impl Shown<'_> {
-    fn ranking(&self) -> Vec<(usize, f64)> {
-        self.measure.ranking(self.plan, self.done)
-    }
-
     pub fn text(&self) -> String {
         let (samples, refused) = (self.summary.samples, self.summary.refused);
         let mut text = format!("{}: ", shown(self.summary.pair));
-        if self.plan.points() > 0 {
-            text += &format!("{} of a grid, ", count(self.plan.points(), "point"));
+        if self.setup.plan.points() > 0 {
+            text += &format!("{} of a grid, ", count(self.setup.plan.points(), "point"));
         }
         let mut rows = Listing::default();
-        for v in self.plan.all() {
+        for v in self.setup.plan.all() {
             let how = v.points.map(|points| format!("{points} points"));
             let how = how.unwrap_or("even".into());
             rows.row(&v.field, format!("{} to {}, {how}", v.low, v.high));
@@ -63,13 +55,21 @@ impl Shown<'_> {
                 "", ["point", "", None] => *point;
                 "", ["measure", "", 4] => *value;
             };
-            for (k, (field, _)) in self.plan.fields.iter().enumerate() {
+            for (k, (field, _)) in self.setup.plan.fields.iter().enumerate() {
                 columns.extend(columns! { |(point, _): &(usize, f64)|
-                    "", [field, "", None] => self.plan.values(*point, 0, 0)[k];
+                    "", [field, "", None] => self.setup.plan.values(*point, 0, 0)[k];
                 });
             }
-            text += &table(&columns, self.ranking().into_iter().take(BEST));
-            let axes = self.plan.grid.iter().zip(self.plan.indices(best.point));
+            text += &table(
+                &columns,
+                self.setup.ranking(self.done).into_iter().take(BEST),
+            );
+            let axes = self
+                .setup
+                .plan
+                .grid
+                .iter()
+                .zip(self.setup.plan.indices(best.point));
             let ends = axes.filter(|(axis, i)| *i == 0 || axis.points == Some(i + 1));
             let ends: Vec<&str> = ends.map(|(axis, _)| &*axis.field).collect();
             if !ends.is_empty() {
@@ -116,33 +116,32 @@ impl Shown<'_> {
         let all = &self.summary.statistics;
         let point = all.last().map_or(0, |s| s.point);
         let statistics = all.iter().filter(|s| s.point == point);
-        let statistics: Vec<&Statistics> = statistics.take(self.outcomes.len()).collect();
+        let statistics: Vec<&Statistics> = statistics.take(self.setup.outcomes.len()).collect();
         let mut text = String::new();
         let mut correlations = |head: &str, values: fn(&Statistics) -> &[f64]| {
-            let fields = &self.plan.fields;
+            let fields = &self.setup.plan.fields;
             let index = |v: &Variation| fields.iter().position(|(field, _)| *field == v.field);
             let mut all = columns! { |v: &&Variation| "", [head, "", None] => v.field.clone(); };
-            for (s, outcome) in statistics.iter().zip(self.outcomes) {
+            for (s, outcome) in statistics.iter().zip(&self.setup.outcomes) {
                 // What has no head stays out.
                 all.extend(columns! { |v: &&Variation|
                     "", [&outcome.head, "", 2] => index(v).map(|k| values(s)[k]);
                 });
             }
-            text += &format!("\n{}", table(&all, &self.plan.drawn));
+            text += &format!("\n{}", table(&all, &self.setup.plan.drawn));
         };
         correlations("correlation with", |s| &s.correlation);
         correlations("of the distance from drawn", |s| &s.correlation_of_distance);
         text + CORRELATIONS
     }
 
-    /// `text` is what the command prints.
     pub fn page(&self, text: &str) -> Page {
         let note = "Drawn fields are drawn evenly from their interval; 5 % and 95 %: a twentieth of the samples lies below, above.";
         let mut sections = vec![Section::new("In numbers", note, vec![]).with_text(text.into())];
         if self.summary.best.is_some() {
             let note = format!(
                 "Measure: {}. A curve has the best of all other fields.",
-                self.measure.words
+                self.setup.measure.words
             );
             sections.push(Section::new("Grid", note, self.grid()));
         }
@@ -162,16 +161,16 @@ impl Shown<'_> {
 
     /// The measure over each axis of the grid, and over both of two.
     fn grid(&self) -> Vec<Figure> {
-        let ranking = self.ranking();
+        let ranking = self.setup.ranking(self.done);
         let nodes = |axis: &Variation| -> Vec<f64> {
             let all = 0..axis.points.unwrap_or(0);
             all.map(|i| axis.value(i)).collect()
         };
         let mut figures = Vec::new();
-        for (k, axis) in self.plan.grid.iter().enumerate() {
+        for (k, axis) in self.setup.plan.grid.iter().enumerate() {
             let best = |(i, x): (usize, f64)| {
                 let mut points = ranking.iter();
-                let found = points.find(|(point, _)| self.plan.indices(*point)[k] == i);
+                let found = points.find(|(point, _)| self.setup.plan.indices(*point)[k] == i);
                 (x, found.map_or(f64::NAN, |(_, measure)| *measure))
             };
             let points = nodes(axis).into_iter().enumerate().map(best);
@@ -180,9 +179,9 @@ impl Shown<'_> {
                     => vec![Curve::new("best", points)];
             });
         }
-        if let [x, y] = &self.plan.grid[..] {
-            let points = 1..=self.plan.points();
-            let values = points.map(|p| self.measure.of(self.done, p).unwrap_or(f64::NAN));
+        if let [x, y] = &self.setup.plan.grid[..] {
+            let points = 1..=self.setup.plan.points();
+            let values = points.map(|p| self.setup.measure.of(self.done, p).unwrap_or(f64::NAN));
             let map = Map::on_nodes([&nodes(x), &nodes(y)], values, 0.0);
             let title = "Measure over both; blue: refused";
             figures.push(Figure::map(title, [&x.field, &y.field, "measure"], map));
@@ -192,10 +191,10 @@ impl Shown<'_> {
 
     fn distributions(&self) -> Vec<Figure> {
         let mut charts = Vec::new();
-        let point = self.summary.best.map_or(0, |best| best.point);
+        let point = self.summary.best.as_ref().map_or(0, |best| best.point);
         let samples = self.done.iter().filter(|s| s.point == point);
         let (itself, samples): (Vec<&Sample>, Vec<&Sample>) = samples.partition(|s| s.number == 0);
-        for (k, outcome) in self.outcomes.iter().enumerate().filter(is_headed) {
+        for (k, outcome) in self.setup.outcomes.iter().enumerate().filter(is_headed) {
             let mut curves = Vec::new();
             for (t, torque) in self.summary.torques_nm.iter().enumerate() {
                 let values: Vec<f64> = samples.iter().filter_map(|s| s.result(t, k)).collect();
@@ -268,10 +267,7 @@ fn bands(statistics: &[Statistics]) -> Section {
     Section::new("Bands over torque", note, figures)
 }
 
-/// The bands of the study in `folder`, which is one of the pair `name`.
-///
-/// # Errors
-/// A folder without a study that is finished, or with one of another pair or of one torque.
+/// The bands of the study in `folder`, if it is a finished one of the pair `name` with several torques.
 pub fn bands_of(folder: &Path, name: &str) -> Result<Section, Error> {
     #[derive(Deserialize)]
     struct Known {

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 
+use super::Setup;
 use super::samples::{Outcome, Sample};
-use super::variation::Plan;
 use crate::Error;
 use crate::limits;
 
@@ -16,7 +16,6 @@ pub struct Statistics {
     pub point: usize,
     pub torque_nm: f64,
     pub result: String,
-    /// At the point itself.
     pub nominal: f64,
     pub mean: f64,
     pub least: f64,
@@ -33,8 +32,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of result `k`, called `result`, at torque `t` (`torque_nm`), of the `samples` that were solved (at least one); `drawn`
-    /// is their point itself.
+    /// Of result `k`, called `result`, at torque `t` over the solved `samples` (at least one) of the point `drawn`.
     pub fn new(
         result: &str,
         k: usize,
@@ -101,7 +99,6 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-/// What makes a point of the grid the best.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Best point of a grid")]
 pub struct BestArgs {
@@ -133,13 +130,7 @@ pub struct Measure {
 }
 
 impl BestArgs {
-    /// # Errors
-    /// A result that there is not; weights that do not fit `torques`.
-    pub fn measure(
-        &self,
-        outcomes: &[Outcome<'static>],
-        torques: &[f64],
-    ) -> Result<Measure, Error> {
+    pub fn measure(&self, outcomes: &[Outcome], torques: &[f64]) -> Result<Measure, Error> {
         let names: Vec<&str> = outcomes.iter().map(|o| &*o.name).collect();
         let Some(result) = names.iter().position(|name| *name == self.best) else {
             let (best, names) = (&self.best, names.join(", "));
@@ -191,33 +182,33 @@ impl Measure {
             _ => all.into_iter().reduce(f64::max),
         }
     }
+}
 
+impl Setup {
     /// The points of the grid that have a measure, best first.
-    pub fn ranking(&self, plan: &Plan, done: &[Sample]) -> Vec<(usize, f64)> {
-        let points = 1..=plan.points();
-        let measured = points.filter_map(|point| Some((point, self.of(done, point)?)));
+    pub fn ranking(&self, done: &[Sample]) -> Vec<(usize, f64)> {
+        let points = 1..=self.plan.points();
+        let measured = points.filter_map(|point| Some((point, self.measure.of(done, point)?)));
         let mut all: Vec<_> = measured.collect();
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         all
     }
 
-    /// The best point; None where there is no grid.
-    ///
-    /// # Errors
-    /// A grid of which no point could be solved.
-    pub fn best(&self, plan: &Plan, done: &[Sample]) -> Result<Option<Best>, Error> {
+    /// The best point, None where there is no grid; a grid of which no point could be solved is refused.
+    pub fn best(&self, done: &[Sample]) -> Result<Option<Best>, Error> {
+        let Setup { plan, measure, .. } = self;
         if plan.grid.is_empty() {
             return Ok(None);
         }
-        let Some(&(point, value)) = self.ranking(plan, done).first() else {
+        let Some(&(point, value)) = self.ranking(done).first() else {
             refuse!("no point of the grid could be solved; samples.csv says why");
         };
         let fields = plan.fields.iter().map(|(field, _)| field.clone());
         Ok(Some(Best {
             point,
-            measure: self.words.clone(),
+            measure: measure.words.clone(),
             value,
-            as_drawn: self.of(done, 0),
+            as_drawn: measure.of(done, 0),
             fields: fields.zip(plan.values(point, 0, 0)).collect(),
         }))
     }
@@ -227,7 +218,6 @@ impl Measure {
 #[derive(Debug, Serialize)]
 pub struct Best {
     pub point: usize,
-    /// In words.
     pub measure: String,
     pub value: f64,
     /// The same of the pair as drawn.
@@ -239,65 +229,47 @@ pub struct Best {
 mod tests {
     use super::*;
 
-    fn sample(fields: &[f64], value: f64) -> Sample {
+    fn sample(number: usize, fields: &[f64], results: [f64; 2]) -> Sample {
         Sample {
-            point: 0,
-            number: 0,
-            fields: fields.to_vec(),
-            outcome: Ok(vec![vec![value]]),
+            point: 3,
+            number,
+            fields: fields.into(),
+            outcome: Ok(results.map(|result| vec![result]).into()),
         }
     }
 
-    /// Of samples with these fields and values, as drawn at `drawn` with the value 40.
-    fn statistics<const N: usize>(drawn: [f64; N], samples: Vec<([f64; N], f64)>) -> Statistics {
-        let samples = samples.iter().map(|(fields, value)| sample(fields, *value));
-        let samples: Vec<Sample> = samples.collect();
-        let samples: Vec<&Sample> = samples.iter().collect();
-        Statistics::new("x", 0, (0, 100.0), &sample(&drawn, 40.0), &samples)
-    }
-
     #[test]
-    fn percentiles_and_correlations_of_a_line() {
-        let values = (0..=100).map(f64::from);
-        let found = statistics([0.0; 3], values.map(|v| ([2.0 * v, -v, 5.0], v)).collect());
+    fn a_line_shows_in_the_correlation_and_a_cause_alike_in_both_directions_in_that_of_the_distance()
+     {
+        let at = |v: f64| sample(1, &[2.0 * v, -v, 5.0, 7.0 + 0.1 * v], [v, v * v]);
+        let all: Vec<Sample> = (-50..=50).map(|v| at(f64::from(v))).collect();
+        let all: Vec<&Sample> = all.iter().collect();
+        let drawn = &sample(0, &[0.0, 0.0, 5.0, 7.0], [40.0; 2]);
+        let [line, both] = [0, 1].map(|t| Statistics::new("x", 0, (t, 100.0), drawn, &all));
+        let percentiles = [line.percentile_5, line.median, line.percentile_95];
         assert_eq!(
-            (found.least, found.median, found.largest),
-            (0.0, 50.0, 100.0)
+            (line.least, percentiles, line.largest),
+            (-50.0, [-45.0, 0.0, 45.0], 50.0)
         );
-        assert_eq!((found.percentile_5, found.percentile_95), (5.0, 95.0));
-        assert_eq!(found.nominal, 40.0);
-        assert!((found.correlation[0] - 1.0).abs() < 1e-12);
-        assert!((found.correlation[1] + 1.0).abs() < 1e-12);
-        assert_eq!(found.correlation[2], 0.0);
-    }
-
-    #[test]
-    fn a_cause_that_acts_alike_in_both_directions_shows_in_its_distance_from_the_drawing() {
-        let values = (-50..=50).map(f64::from);
-        let samples = values.map(|v| ([v, 7.0 + 0.1 * v], v * v)).collect();
-        let found = statistics([0.0, 7.0], samples);
-        for k in 0..2 {
-            assert!(found.correlation[k].abs() < 1e-12);
-            assert!(found.correlation_of_distance[k] > 0.9);
+        assert_eq!((line.nominal, line.correlation[2]), (40.0, 0.0));
+        for (k, sign) in [(0, 1.0), (1, -1.0), (3, 1.0)] {
+            assert!((line.correlation[k] - sign).abs() < 1e-12);
+            assert!(both.correlation[k].abs() < 1e-12);
+            assert!(both.correlation_of_distance[k] > 0.9);
         }
     }
 
     #[test]
     fn the_measure_is_weighted_over_torques_and_judges_the_sample_that_counts() {
-        let sample = |number: usize, results: [f64; 2]| Sample {
-            point: 3,
-            number,
-            fields: vec![],
-            outcome: Ok(results.map(|result| vec![9.0, result]).into()),
-        };
         let results = [[1.0, 2.0], [5.0, 2.0], [3.0, 4.0]];
-        let mut done = [0, 1, 2].map(|number| sample(number, results[number]));
+        let mut done = [0, 1, 2].map(|number| sample(number, &[], results[number]));
         let value = |done: &[Sample], judged| {
+            let (weights, words) = (vec![0.25, 0.75], String::new());
             let measure = Measure {
-                result: 1,
-                weights: vec![0.25, 0.75],
+                result: 0,
+                weights,
                 judged,
-                words: String::new(),
+                words,
             };
             measure.of(done, 3)
         };

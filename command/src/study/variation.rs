@@ -12,14 +12,25 @@ use serde::Serialize;
 use crate::Error;
 use crate::limits;
 
+/// A varied field with the ends of its values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Variation {
+    /// Path in the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um; on a grid also several with commas
+    /// between them, which share a value.
+    pub field: String,
+    pub low: f64,
+    pub high: f64,
+    /// Values from `low` to `high` on a grid; None: drawn evenly between them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<usize>,
+}
+
 /// `FIELD=LOW..HIGH`, `FIELD=+-TOLERANCE` or `FIELD,FIELD=LOW..HIGH/POINTS` of the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested {
-    fields: String,
-    ends: [f64; 2],
+    variation: Variation,
     /// Whether the ends are those about the value in the pair file.
     is_tolerance: bool,
-    points: Option<usize>,
 }
 
 impl FromStr for Requested {
@@ -29,11 +40,12 @@ impl FromStr for Requested {
         let requested = || -> Option<Requested> {
             let number = |text: &str| limits::finite(text).ok();
             let (fields, range) = text.split_once('=')?;
-            let fields = fields.replace(' ', "");
+            let field = fields.replace(' ', "");
             let mut points = None;
             let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
-            let ends = if let Some(tolerance) = tolerance {
-                [-1.0, 1.0].map(|sign| number(tolerance).map(|t| sign * t.abs()))
+            let (low, high) = if let Some(tolerance) = tolerance {
+                let high = number(tolerance)?.abs();
+                (-high, high)
             } else {
                 let (low, mut high) = range.split_once("..")?;
                 if let Some((end, count)) = high.split_once('/') {
@@ -41,17 +53,19 @@ impl FromStr for Requested {
                     let count = count.trim().parse().ok();
                     points = Some(count.filter(|n| (2..=1000).contains(n))?);
                 }
-                [number(low), number(high)]
+                (number(low)?, number(high)?)
             };
-            let ends = [ends[0]?, ends[1]?];
             // Fields that share a value are those of a grid.
-            let is_named = fields.split(',').all(|field| !field.is_empty())
-                && (!fields.contains(',') || points.is_some());
-            (is_named && ends[0] <= ends[1]).then_some(Requested {
-                fields,
-                ends,
+            let is_named = field.split(',').all(|field| !field.is_empty())
+                && (!field.contains(',') || points.is_some());
+            (is_named && low <= high).then_some(Requested {
+                variation: Variation {
+                    field,
+                    low,
+                    high,
+                    points,
+                },
                 is_tolerance: tolerance.is_some(),
-                points,
             })
         };
         requested().ok_or_else(|| {
@@ -63,32 +77,17 @@ impl FromStr for Requested {
     }
 }
 
-/// One varied field with the ends of its values.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Variation {
-    /// Path in the pair file, or where the contact is solved: torque_nm, misalignment_mrad or center_distance_offset_um; on
-    /// a grid also several with commas between them, which share a value.
-    pub field: String,
-    pub low: f64,
-    pub high: f64,
-    /// Values from `low` to `high` on a grid; None: drawn evenly between them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub points: Option<usize>,
-}
-
 impl Variation {
     pub fn fields(&self) -> impl Iterator<Item = &str> {
         self.field.split(',')
     }
 
-    /// Value `i` on a grid.
     pub fn value(&self, i: usize) -> f64 {
         let steps = self.points.map_or(1, |points| points - 1) as f64;
         rounded(self.low + (self.high - self.low) * i as f64 / steps)
     }
 }
 
-/// All that is varied.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
     pub grid: Vec<Variation>,
@@ -100,10 +99,7 @@ pub struct Plan {
 
 impl Plan {
     /// The requested variations, about `torque` (N m) and the values of `draft`, and the slopes of both gears' flanks within the
-    /// tolerance class `class` of ISO 1328-1, if there is one.
-    ///
-    /// # Errors
-    /// A field that is varied twice, or none.
+    /// tolerance class `class` of ISO 1328-1, if there is one. A field that is varied twice is refused, and none at all.
     pub fn new(
         requested: &[Requested],
         class: Option<u8>,
@@ -117,13 +113,8 @@ impl Plan {
             _ => draft.number(field).unwrap_or(0.0),
         };
         for r in requested {
-            let about = if r.is_tolerance {
-                as_drawn(&r.fields)
-            } else {
-                0.0
-            };
-            let ends = r.ends.map(|end| about + end);
-            plan.add(r.fields.clone(), ends, r.points)?;
+            let about = as_drawn(&r.variation.field) * f64::from(u8::from(r.is_tolerance));
+            plan.add(r.variation.clone(), about)?;
         }
         for (i, gear) in pair.geometry.gears.iter().enumerate() {
             let Some(class) = class else { break };
@@ -133,17 +124,21 @@ impl Plan {
                 ("lead_slope_um", tolerance::helix_slope(gear, class)),
             ] {
                 let own = format!("gear{}.drive_flank.{name}", i + 1);
-                let field = match draft.number(&own) {
-                    Some(_) => own,
-                    None => format!("gear{}.{name}", i + 1),
+                let both = format!("gear{}.{name}", i + 1);
+                let field = draft.number(&own).map_or(both, |_| own);
+                let about = as_drawn(&field);
+                let variation = Variation {
+                    field,
+                    low: -1e6 * tolerance,
+                    high: 1e6 * tolerance,
+                    points: None,
                 };
-                let (about, um) = (as_drawn(&field), 1e6 * tolerance);
-                plan.add(field, [about - um, about + um], None)?;
+                plan.add(variation, about)?;
             }
         }
         let varied: Vec<Variation> = plan.all().cloned().collect();
         for field in varied.iter().flat_map(Variation::fields) {
-            if !plan.fields.iter().any(|(known, _)| known == field) {
+            if !plan.is_varied(field) {
                 plan.fields.push((field.into(), as_drawn(field)));
             }
         }
@@ -153,26 +148,22 @@ impl Plan {
         Ok(plan)
     }
 
-    fn add(&mut self, field: String, ends: [f64; 2], points: Option<usize>) -> Result<(), Error> {
-        let all = match points {
+    /// Adds `variation` with its ends counted from `about`.
+    fn add(&mut self, mut variation: Variation, about: f64) -> Result<(), Error> {
+        let all = match variation.points {
             Some(_) => &mut self.grid,
             None => &mut self.drawn,
         };
         let is_known = |field: &&str| all.iter().any(|v| v.fields().any(|known| known == *field));
-        if let Some(twice) = field.split(',').find(is_known) {
+        if let Some(twice) = variation.fields().find(is_known) {
             refuse!("`{twice}` is varied twice; leave one out");
         }
-        let [low, high] = ends.map(rounded);
-        all.push(Variation {
-            field,
-            low,
-            high,
-            points,
-        });
+        let ends = [variation.low, variation.high];
+        [variation.low, variation.high] = ends.map(|end| rounded(about + end));
+        all.push(variation);
         Ok(())
     }
 
-    /// What is varied, the grid first.
     pub fn all(&self) -> impl Iterator<Item = &Variation> {
         self.grid.iter().chain(&self.drawn)
     }
@@ -199,8 +190,7 @@ impl Plan {
         points.map(index).collect()
     }
 
-    /// Values of the fields at `point` of the grid (0: as drawn) of sample `number` (0: the point itself) with the seed
-    /// `seed`: the same in every run.
+    /// Values of the fields at `point` of the grid (0: as drawn) of sample `number` (0: the point itself), the same in every run.
     pub fn values(&self, point: usize, number: usize, seed: u64) -> Vec<f64> {
         let mut values: Vec<f64> = self.fields.iter().map(|(_, drawn)| *drawn).collect();
         let index = |field: &str| self.fields.iter().position(|(known, _)| known == field);
@@ -248,11 +238,12 @@ mod tests {
             ("a=±0.5", [-0.5, 0.5], true, None),
             ("a, b=1..3/5", [1.0, 3.0], false, Some(5)),
         ] {
-            let r: Requested = text.parse().unwrap();
-            assert_eq!(
-                (r.ends, r.is_tolerance, r.points),
-                (ends, is_tolerance, points)
-            );
+            let Requested {
+                variation: v,
+                is_tolerance: about,
+            } = text.parse().unwrap();
+            assert_eq!(([v.low, v.high], v.points), (ends, points));
+            assert_eq!(about, is_tolerance);
         }
         let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3";
         for wrong in wrong.split('|') {

@@ -23,8 +23,7 @@ use crate::output::{self, Listing};
 use crate::pair_summary::at_build;
 use sweeps::{Sweeps, corners, preflight};
 
-/// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of: several times that of
-/// the shipped pairs.
+/// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of.
 const LARGE_ERROR: f64 = 0.03;
 
 /// Compute the tables of a pair.
@@ -48,8 +47,7 @@ pub struct Tables {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Grid")]
 pub struct GridArgs {
-    /// Choose the nodes so that the force error between them, root of the mean square over the nominal
-    /// force, stays below this [default: a fixed grid, whose error is measured]
+    /// Choose the nodes for a force error, rms over the nominal force, below this [default: a fixed grid, whose error is measured]
     #[arg(long, value_parser = share)]
     max_error: Option<f64>,
 
@@ -86,12 +84,9 @@ impl Tables {
     }
 }
 
-/// Tables that were just computed.
 pub struct Made {
     pub file: TableFile,
-    /// The contact at run time, if it was requested.
     pub contact: Option<ContactFile>,
-    /// What is to be known of both, in lines.
     pub text: String,
 }
 
@@ -156,9 +151,12 @@ pub fn compute(
         let error = &record.interpolation_error;
         lines.push(format!("root stress: {}, {error}", seconds_since(begin)));
     }
-    let at_run_time = (contact || grid.teeth)
-        .then(|| contact_file(&pair, &args.at_run_time(model.solver.clone())));
-    let at_run_time = at_run_time.transpose()?;
+    let solver = args.at_run_time(&model.solver);
+    let at_run_time = (contact || grid.teeth).then(|| contact_file(&pair, &solver));
+    let mut at_run_time = at_run_time.transpose()?;
+    if let Some(file) = at_run_time.as_mut().filter(|_| contact && args.root_stress) {
+        sweeps.add_root_stress(file, &solver)?;
+    }
     let begin = Instant::now();
     let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
     let teeth = teeth.map(|contact| sweeps.teeth(contact, grid.friction));
@@ -213,12 +211,12 @@ fn seconds_since(begin: Instant) -> String {
 
 /// The ranges of the pair file, those of centre distance and misalignment where they are `included`.
 fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
-    let range =
-        |included: bool, range: [f64; 2]| (included && range[0] < range[1]).then_some(range);
     let o = &pair.operating;
+    let all = [o.center_distance_offset, o.misalignment];
+    let range = |i: usize| Some(all[i]).filter(|[low, high]| included[i] && low < high);
     Coverage {
-        center_distance_offset: range(included[0], o.center_distance_offset),
-        misalignment: range(included[1], o.misalignment),
+        center_distance_offset: range(0),
+        misalignment: range(1),
         nominal_torque: o.nominal_torque,
         maximum_torque: o.maximum_torque,
     }
@@ -253,17 +251,12 @@ fn settings(
 /// Which levels of an FMU take the teeth of a pair that differ: `note` where none of those built with `teeth` or `contact` does.
 fn note_at_build(note: &str, teeth: bool, contact: bool) -> String {
     let table = "`stiffnessModel = table` takes all teeth as alike";
-    let takes = "which takes the tooth errors";
+    let also = if contact { ", as `contact` does" } else { "" };
     match (teeth, contact) {
-        (false, false) => note.to_owned(),
+        (true, _) => format!(
+            "FMUs start with `stiffnessModel = teeth`, which takes the tooth errors{also}; {table}"
+        ),
         (false, true) => format!("{table}; `stiffnessModel = contact` takes the tooth errors"),
-        (true, false) => {
-            format!("units start with `stiffnessModel = teeth`, {takes}; {table}")
-        }
-        (true, true) => {
-            format!(
-                "units start with `stiffnessModel = teeth`, {takes}, as `contact` does; {table}"
-            )
-        }
+        (false, false) => note.to_owned(),
     }
 }

@@ -1,6 +1,7 @@
 //! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs; before them, whether the contact can
 //! be solved at the corners of the operating range.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
@@ -11,7 +12,7 @@ use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
     RootStressRecord, TeethRecord,
 };
-use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
+use gearmesh_preprocessor::contact::{CycleInput, MeshCycle, condensed_roots};
 use gearmesh_preprocessor::table::{
     Coverage, RootStressSweep, TeethSweep, Watch, WatchedSolver, default_axes,
     default_root_stress_axes, default_sliding_axes, default_teeth_axes, measure,
@@ -19,22 +20,19 @@ use gearmesh_preprocessor::table::{
 };
 
 use crate::Error;
+use crate::case::load_matrix;
 use crate::model::{Model, ModelArgs};
 use crate::progress::Job;
 
 /// Positions of the mesh cycle at which every corner is solved.
 const POSITIONS: usize = 16;
-
-/// Random operating points at which the default grid is measured.
+/// Random operating points at which the default grid, and contact at run time, is measured.
 const HELD_OUT_POINTS: usize = 1000;
-
-/// Random operating points at which contact at run time is measured.
 const RUN_TIME_POINTS: usize = 32;
 
 /// Most stations of the contact that it is measured against; a solve on 400 takes seconds.
 const MOST_STATIONS: usize = 200;
 
-/// Static contact of a pair over its operating range.
 pub(super) struct Sweeps<'a> {
     pub pair: &'a Pair,
     pub model: &'a Model,
@@ -46,8 +44,8 @@ pub(super) struct Sweeps<'a> {
 }
 
 impl Sweeps<'_> {
-    /// The grids of the drive flank and, where it needs one of its own, the coast flank, and their error: on default axes, or on
-    /// those that keep the error of the drive flank below `max_error`.
+    /// Grids of the drive flank, within `max_error` if there is one, and of a coast flank that needs its own, on the same axes, and
+    /// their error.
     pub fn flanks(
         &self,
         solver: &WatchedSolver<'_>,
@@ -63,13 +61,18 @@ impl Sweeps<'_> {
                 table_within(solver, geometry, self.coverage, self.tilt, bound, watch)
             })?,
         };
-        within(max_error, &error)?;
         let coast = self.on_own_coast(|flank| self.grid_on(&drive.axes, solver, flank))?;
-        if let Some((_, found)) = &coast {
-            error = error.with(*found);
-            within(max_error, &error)?;
+        let coast = coast.map(|(grid, found)| {
+            error = error.with(found);
+            grid
+        });
+        if let Some(bound) = max_error.filter(|bound| error.force_rms > *bound) {
+            refuse!(
+                "--max-error = {bound}: the best grid has an rms error of {:.5}; ask for no less, or narrow the ranges of the pair file",
+                error.force_rms
+            );
         }
-        Ok((drive, coast.map(|(grid, _)| grid), error))
+        Ok((drive, coast, error))
     }
 
     /// The grid of `flank` on `axes`, and its error at random operating points.
@@ -83,18 +86,10 @@ impl Sweeps<'_> {
         let grid = self.watched("static contact", |watch| {
             sweep(solver, flank, axes, largest, watch)
         })?;
-        let table = FlankTable::new(&grid, Interpolation::Spline)?;
-        let (geometry, coverage) = (&self.pair.geometry, self.coverage);
+        let table = &FlankTable::new(&grid, Interpolation::Spline)?;
+        let (geometry, coverage, points) = (&self.pair.geometry, self.coverage, HELD_OUT_POINTS);
         let error = self.watched("error of the tables", |watch| {
-            measure(
-                solver,
-                geometry,
-                flank,
-                coverage,
-                &table,
-                HELD_OUT_POINTS,
-                watch,
-            )
+            measure(solver, geometry, flank, coverage, table, points, watch)
         })?;
         Ok((grid, error))
     }
@@ -145,6 +140,24 @@ impl Sweeps<'_> {
         })
     }
 
+    /// Adds the stress in the tooth roots to the `contact` at run time that `solver` has.
+    pub fn add_root_stress(
+        &self,
+        contact: &mut ContactFile,
+        solver: &ContactSolver,
+    ) -> Result<(), Error> {
+        let coast = contact.coast.as_mut();
+        for (flank, condensed) in [
+            (Flank::Drive, Some(&mut contact.drive)),
+            (Flank::Coast, coast),
+        ] {
+            let Some(condensed) = condensed else { continue };
+            let maps = self.args.fillets(self.pair, flank, self.job)?.maps;
+            Arc::make_mut(condensed).roots = Some(condensed_roots(solver, flank, &maps)?);
+        }
+        Ok(())
+    }
+
     /// Tooth pairs one by one, their error measured against `contact`.
     pub fn teeth(&self, contact: &ContactFile, friction: bool) -> Result<TeethRecord, Error> {
         let sweep = TeethSweep {
@@ -177,18 +190,14 @@ impl Sweeps<'_> {
                 measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch)
             })
         };
+        let coast = contact.coast.as_ref().map(|_| error(Flank::Coast));
         let drive = error(Flank::Drive)?;
-        match contact.coast {
-            Some(_) => Ok(drive.with(error(Flank::Coast)?)),
-            None => Ok(drive),
-        }
+        Ok(coast.transpose()?.map_or(drive, |coast| drive.with(coast)))
     }
 
-    fn with_misalignments(&self, axes: Axes) -> Axes {
-        Axes {
-            misalignment: misalignments(self.coverage, self.tilt),
-            ..axes
-        }
+    fn with_misalignments(&self, mut axes: Axes) -> Axes {
+        axes.misalignment = misalignments(self.coverage, self.tilt);
+        axes
     }
 
     /// `work` on the coast flank where the drive flank's tables do not serve it.
@@ -200,7 +209,6 @@ impl Sweeps<'_> {
         own.then(|| work(Flank::Coast)).transpose()
     }
 
-    /// `work` with its progress shown as that of `stage`.
     fn watched<R, E: Into<Error>>(
         &self,
         stage: &str,
@@ -214,53 +222,33 @@ impl Sweeps<'_> {
     }
 }
 
-/// Refuses tables that miss the requested error.
-fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
-    if let Some(error) = max_error.filter(|error| found.force_rms > *error) {
-        refuse!(
-            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow the ranges of the pair file",
-            found.force_rms
-        );
-    }
-    Ok(())
-}
-
-/// Refuses what cannot be solved at a corner of `coverage`, on the coarse model, which takes seconds, where that of `pair` is
-/// still to be computed.
+/// Refuses what cannot be solved at a corner of `coverage` on the coarse model, where a finer one is still to be computed.
 pub fn preflight(
     pair: &Pair,
     args: &ModelArgs,
     coverage: &Coverage,
     job: &Job,
 ) -> Result<(), Error> {
-    if pair.refinement == Refinement::Coarse || args.are_kept(pair)? {
+    if pair.refinement == Refinement::Coarse || args.are_cached(pair)? {
         return Ok(());
     }
-    let coarse = Pair {
-        refinement: Refinement::Coarse,
-        ..pair.clone()
-    };
+    let mut coarse = pair.clone();
+    coarse.refinement = Refinement::Coarse;
     corners(&args.model(&coarse, None, job)?.solver, pair, coverage)
 }
 
 /// Solves under the largest torque at the corners of `coverage` and at its nominal state.
 pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Result<(), Error> {
-    let with_nominal =
-        |range: Option<[f64; 2]>| [0.0].into_iter().chain(range.into_iter().flatten());
-    let loads = with_nominal(coverage.misalignment).map(|misalignment| LoadCase {
-        torque: coverage.maximum_torque,
-        misalignment,
-    });
-    let loads: Vec<LoadCase> = loads.collect();
-    let flanks: &[Flank] = match pair.coast_mirrors_drive() {
-        true => &[Flank::Drive],
-        false => &[Flank::Drive, Flank::Coast],
-    };
-    for &flank in flanks {
-        for center_distance_offset in with_nominal(coverage.center_distance_offset) {
+    let torque = coverage.maximum_torque;
+    let nominal = |range: Option<[f64; 2]>| [&[0.0], range.as_slice().as_flattened()].concat();
+    let loads = load_matrix(&[torque], &nominal(coverage.misalignment));
+    let flanks = [Flank::Drive, Flank::Coast];
+    let count = if pair.coast_mirrors_drive() { 1 } else { 2 };
+    for flank in flanks.into_iter().take(count) {
+        for center_distance_offset in nominal(coverage.center_distance_offset) {
             let input = CycleInput {
                 flank,
-                torque: coverage.maximum_torque,
+                torque,
                 center_distance_offset,
                 misalignment: 0.0,
                 positions: POSITIONS,

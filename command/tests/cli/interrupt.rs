@@ -22,12 +22,9 @@ fn an_interrupt_ends_long_work_and_leaves_no_file() {
         let line = format!(
             "tables {PAPER} --refinement coarse --max-error 0.0005 --threads 1 -o {out}/tables.json --cache-dir {cache}"
         );
-        let words = line.split_whitespace();
-        let mut child = command()
-            .args(words)
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = command();
+        let child = child.args(line.split_whitespace()).stderr(Stdio::piped());
+        let mut child = child.spawn().unwrap();
         // The shell's own `kill`: the program of this name is not everywhere.
         let mut kill = Command::new("sh")
             .args(["-c", &format!("read line; kill -{signal} {}", child.id())])

@@ -188,12 +188,8 @@ fn number(value: &Value) -> f64 {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value
-        .as_array()
-        .expect("an array")
-        .iter()
-        .map(number)
-        .collect()
+    let values = value.as_array().expect("an array");
+    values.iter().map(number).collect()
 }
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {

@@ -12,7 +12,6 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     assert!(charts >= 8);
     contains!(
         html,
-        "Power lost",
         "Power lost over that transmitted",
         "loss factor",
         "prefers-color-scheme:dark"
@@ -46,9 +45,8 @@ fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
     succeed!("tables {PAPER} -o {tables} {SMALL} --stations 8 {QUICK}");
     let stiffness = |other: &str| -> Vec<(String, f64)> {
         let options = "--positions 8 --torques-nm 100";
-        succeed!(
-            "report {PAPER} -o {page} --figures {figures} {options} --compare {other} {QUICK}"
-        );
+        let options = format!("{options} --compare {other} {QUICK}");
+        succeed!("report {PAPER} -o {page} --figures {figures} {options}");
         let csv = folder.read("figures/mesh-stiffness.csv");
         let mut csv = csv::Reader::from_reader(csv.as_bytes());
         let rows = csv.records().map(Result::unwrap);
@@ -62,9 +60,12 @@ fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
     contains!(
         html,
         "In numbers: palermo2013-unmodified",
-        "Contact pattern on gear 2 at 100 N m (palermo2013-unmodified)",
         "Harris map",
         "K-chart"
+    );
+    contains!(
+        html,
+        "Contact pattern on gear 2 at 100 N m (palermo2013-unmodified)"
     );
     // Tables are those of the pair itself.
     let rows = stiffness(&tables);
@@ -93,24 +94,10 @@ fn the_report_shows_the_torques_asked_for_and_the_pressure_that_solve_gives() {
 fn a_number_is_refused_by_the_option_that_gave_it() {
     let folder = Folder::new();
     let out = folder.path("out");
-    for (options, words) in [
-        (
-            "report --largest-speed-rpm 0",
-            "'0' for '--largest-speed-rpm <SPEED>': give a value from 1",
-        ),
-        (
-            "report --torques-nm=50,-5",
-            "'-5' for '--torques-nm <TORQUES>': give 0 or",
-        ),
-        (
-            "study --torque-nm=-5",
-            "'-5' for '--torques-nm <TORQUES>': give 0 or",
-        ),
-    ] {
-        let line = format!("{options} {PAPER} -o {out}");
-        refused(&line, &[words]);
-        assert!(!text(&run(&line).stderr).contains("--flank"));
-    }
+    refused!("report {PAPER} -o {out} --largest-speed-rpm 0"; "'0' for '--largest-speed-rpm <SPEED>': give a value from 1");
+    let torque = "'-5' for '--torques-nm <TORQUES>': give 0 or a value from 1e-9 to 1e9\n";
+    refused!("report {PAPER} -o {out} --torques-nm=50,-5"; torque);
+    refused!("study {PAPER} -o {out} --torque-nm=-5"; torque);
     assert!(!folder.exists("out"));
 }
 
@@ -119,17 +106,10 @@ fn a_file_or_folder_that_cannot_be_made_is_named_with_what_was_tried() {
     let folder = Folder::new();
     let below = format!("{}/below", folder.write("file", ""));
     let page = folder.path("page.html");
-    for (options, option) in [
-        (format!("solve -o {below}"), "--output"),
-        (
-            format!("study -o {below} --vary torque_nm=1..5"),
-            "--output",
-        ),
-        (format!("report -o {page} --figures {below}"), "--figures"),
-    ] {
-        let words = format!("{option} = {below}: making this folder failed: ");
-        refused!("{options} {PAPER}"; &words);
-    }
+    let failed = format!(" = {below}: making this folder failed: ");
+    refused!("solve -o {below} {PAPER}"; "--output", &failed);
+    refused!("study -o {below} --vary torque_nm=1..5 {PAPER}"; "--output", &failed);
+    refused!("report -o {page} --figures {below} {PAPER}"; "--figures", &failed);
     refused!("report {PAPER} -o {below}/page.html"; &below);
     assert!(!folder.exists("page.html"));
 }

@@ -168,11 +168,8 @@ fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree(
             let rows = segments.iter().filter(|r| r["mesh_position"] == tau);
             rows.map(|r| r["force_n"]).sum()
         };
-        let (first, other) = (force(0.0), force(0.5));
-        assert!(
-            first > 0.0 && (first / other - 1.0).abs() < 0.02,
-            "{first} {other}"
-        );
+        let ratio = force(0.0) / force(0.5);
+        assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
         // No segment bears load and is open.
         let is_loaded_or_open = |s: &Row| s["force_n"] == 0.0 || s["gap_um"] == 0.0;
         assert!(segments.iter().all(is_loaded_or_open));
@@ -192,10 +189,8 @@ fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree(
     let base_radius = 38.456e-3;
     let secant = 50.0 / base_radius / ((ste(4) - ste(1)) * 1e-6);
     let tangent = |i: usize| summary[i]["mean_mesh_stiffness_loa_n_per_m"];
-    assert!(
-        tangent(1) < 1.05 * secant && 0.95 * secant < tangent(4),
-        "{secant}"
-    );
+    assert!(tangent(1) < 1.05 * secant, "{secant}");
+    assert!(0.95 * secant < tangent(4), "{secant}");
     let row = &stiffness[0];
     assert!(row["stiffness_normal_n_per_m"] > row["stiffness_loa_n_per_m"]);
 }
@@ -230,22 +225,19 @@ fn the_error_is_estimated_from_another_refinement() {
         "finite elements, normal"
     );
     // docs/validation.md: coarse is 0.3 % and some percent of a small swing away; docs/root-stress.md: some percent.
-    for (name, most) in [
-        ("mean STE", 1.0),
-        ("p-p STE", 10.0),
-        ("root stress 1", 5.0),
-        ("root stress 2", 5.0),
-    ] {
+    // The refinements have segments of different lengths, which K_Hbeta does not feel.
+    let names = [
+        "mean STE",
+        "p-p STE",
+        "root stress 1",
+        "root stress 2",
+        "K_Hbeta",
+    ];
+    for (name, most) in names.into_iter().zip([1.0, 10.0, 5.0, 5.0, 2.0]) {
         let words = line(estimate, name).split_whitespace();
         let percent: f64 = words.rev().nth(1).unwrap().parse().unwrap();
         assert!(percent != 0.0 && percent.abs() < most, "{name}: {percent}");
     }
-    // The refinements have segments of different lengths.
-    let text = succeed!("solve {PAPER} --estimate-error --positions 2 --refinement coarse");
-    let mut words =
-        line(text.split_once("estimated error").unwrap().1, "K_Hbeta").split_whitespace();
-    let percent: f64 = words.nth_back(1).unwrap().parse().unwrap();
-    assert!(percent.abs() < 2.0, "{percent}");
 }
 
 #[test]
@@ -253,13 +245,10 @@ fn an_error_of_nothing_is_none() {
     let pair = concat!(pairs!(), "palermo2013-unmodified.json");
     // A load that is none does not hide the other.
     for (torques, is_none) in [("0", true), ("0,100", false)] {
-        let text =
-            succeed!("solve {pair} --estimate-error --torque-nm {torques} --positions 4 {QUICK}");
+        let options = format!("--estimate-error --torque-nm {torques} --positions 4 {QUICK}");
+        let text = succeed!("solve {pair} {options}");
         let estimate = text.split_once("estimated error").unwrap().1;
-        assert!(
-            !estimate.contains("NaN") && !estimate.contains("inf"),
-            "{estimate}"
-        );
+        assert!(!["NaN", "inf"].iter().any(|word| estimate.contains(word)));
         let pressure = line(estimate, "p_max");
         assert_eq!(pressure.contains("none"), is_none, "{estimate}");
     }
@@ -297,7 +286,10 @@ fn an_operating_point_that_cannot_be_is_refused_by_name() {
     let solve = format!("solve {PAPER} {QUICK}");
     // No option of this name, but a value.
     refused!("{solve} --torque-nm -10"; "'-10' for '--torque-nm", "--flank coast");
-    refused!("{solve} --torque-nm=nan"; "'nan' for '--torque-nm <TORQUE_NM>': give 0 or a value from");
+    // A torque that rounding outweighs, too.
+    for torque in ["nan", "1e-20", "1e300", "much"] {
+        refused!("{solve} --torque-nm={torque}"; &format!("'{torque}' for '--torque-nm <TORQUE_NM>': give 0 or a value from 1e-9 to 1e9"));
+    }
     // Tips meet roots.
     refused!("{solve} --center-distance-offset-um -2500"; "center_distance_offset", "root of its mate");
 }

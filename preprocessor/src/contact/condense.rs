@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use gearmesh::contact::{CondensedFlank, ContactError, ContactFile, ContactSetup, ContactSolver};
+use crate::finite_element::RootStress;
+use gearmesh::contact::{
+    CondensedFlank, CondensedRoots, ContactError, ContactFile, ContactSetup, ContactSolver,
+};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use rayon::prelude::*;
@@ -21,6 +24,23 @@ pub fn condensed_flank(
         .map(|i| CondensedFlank::node(solver, flank, offsets, i))
         .collect::<Result<Vec<_>, _>>()?;
     CondensedFlank::from_nodes(solver, flank, offsets, &nodes)
+}
+
+/// What `models` of gear 1 and gear 2 give of the stress in the tooth roots at run time, by loads on the stations of `solver` on
+/// `flank`.
+///
+/// # Errors
+/// As [`ContactSolver::stations`].
+pub fn condensed_roots(
+    solver: &ContactSolver,
+    flank: Flank,
+    models: &[Arc<RootStress>; 2],
+) -> Result<[CondensedRoots; 2], ContactError> {
+    let stations = solver.stations(flank)?;
+    Ok([0, 1].map(|i| {
+        let seen: Vec<_> = stations.iter().map(|station| station[i]).collect();
+        models[i].condensed(&seen)
+    }))
 }
 
 /// The contact of `pair` with the elastic models of `solver`, its condensed models at the middle and the ends

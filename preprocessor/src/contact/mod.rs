@@ -4,7 +4,7 @@ mod condense;
 mod mesh_cycle;
 mod root_stress;
 
-pub use condense::{condensed_flank, contact_file};
+pub use condense::{condensed_flank, condensed_roots, contact_file};
 pub use mesh_cycle::{
     CycleInput, ENOUGH_SEGMENTS, FaceLoad, HARMONICS, Harmonic, LoadCase, MeshCycle, harmonics,
 };

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::mesh_cycle::{CycleInput, MeshCycle};
-use crate::finite_element::{RootField, RootPoint, RootStress, SpreadSegments};
+use crate::finite_element::{RootStress, SpreadSegments};
 use gearmesh::compliance::Segment;
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use gearmesh::contact::{
+    ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint,
+};
 use gearmesh::gear::{Flank, PairGeometry};
 
 /// Stress in the root of one tooth at one mesh position. z of its points is in gear 1's frame.

@@ -10,26 +10,15 @@ use super::element::shape;
 use super::flank::face_nodes;
 use super::mesh::{LoadColumn, Mesh};
 use super::model::Model;
+use gearmesh::contact::{COMPONENTS, Fillet};
+use gearmesh::gear::GearKind;
 use nalgebra::Vector3;
 
 /// 1/sqrt(3), abscissa of the two-point Gauss rule.
 const GAUSS2: f64 = 0.577_350_269_189_625_8;
 
-/// The points of the fillet at which stress is observed: a grid of places along the profile and along the face.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct FilletGrid {
-    /// Places along the profile from the middle of the space to the form point: radius, m.
-    pub radii: Vec<f64>,
-    /// Angle between the tangent plane and the tooth's centre line there, rad.
-    pub tangents: Vec<f64>,
-    /// Arc length from the form point, m, ascending, <= 0.
-    pub arcs: Vec<f64>,
-    /// Places along the face, m, ascending; a single one in plane strain.
-    pub z: Vec<f64>,
-}
-
-/// Components of stress at each point: along the profile, along the helix, shear; Pa.
-pub(super) const COMPONENTS: usize = 3;
+/// Over the normal module: distance from a load within which the stress is that of its spreading, without limit at a tip corner.
+const LOCAL_OVER_MODULE: f64 = 0.45;
 
 struct Place {
     layer: usize,
@@ -68,50 +57,52 @@ struct FacePoint {
     stress: [LoadColumn; COMPONENTS],
 }
 
-impl FilletGrid {
-    /// Points on the fillet of `model` with its `mesh`, and the stress at each: all of a place along the face one after the other, the [`COMPONENTS`]
-    /// of a point together.
-    pub fn new(model: &Model, mesh: &Mesh) -> (FilletGrid, Vec<LoadColumn>) {
-        let fillet = &model.section.fillet;
-        let mut grid = FilletGrid::default();
-        let mut columns = Vec::new();
-        for (number, place) in Place::along(&model.grid.stations).iter().enumerate() {
-            grid.z.push(place.z);
-            for element in 0..fillet.len() / 2 {
-                for xi in [-GAUSS2, GAUSS2] {
-                    let mut stress: [LoadColumn; COMPONENTS] = Default::default();
-                    for (at, (zeta, share)) in place.shares.iter().enumerate() {
-                        let point =
-                            FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
-                        if number == 0 && at == 0 {
-                            grid.add(&point, model.twist());
-                            let [low, mid, high] = [0, 1, 2].map(|i| fillet[2 * element + i].1);
-                            let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
-                            grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
-                        }
-                        for (column, part) in stress.iter_mut().zip(point.stress) {
-                            column.extend(part.iter().map(|(unknown, f)| (*unknown, share * f)));
-                        }
+/// Points on the fillet of `model` with its `mesh`, and the stress at each: all of a place along the face one after the other, the [`COMPONENTS`]
+/// of a point together.
+pub(super) fn points(model: &Model, mesh: &Mesh) -> (Fillet, Vec<LoadColumn>) {
+    let fillet = &model.section.fillet;
+    let mut grid = Fillet {
+        form_roll: model.grid.form_roll,
+        arc_per_roll_squared: model.grid.arc_per_roll_squared,
+        local: LOCAL_OVER_MODULE * model.gear.normal_module,
+        standard_tangent: match model.gear.kind {
+            GearKind::External => 30f64.to_radians(),
+            GearKind::Ring => 60f64.to_radians(),
+        },
+        ..Fillet::default()
+    };
+    let mut columns = Vec::new();
+    for (number, place) in Place::along(&model.grid.stations).iter().enumerate() {
+        grid.z.push(place.z);
+        for element in 0..fillet.len() / 2 {
+            for xi in [-GAUSS2, GAUSS2] {
+                let mut stress: [LoadColumn; COMPONENTS] = Default::default();
+                for (at, (zeta, share)) in place.shares.iter().enumerate() {
+                    let point = FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
+                    if number == 0 && at == 0 {
+                        add(&mut grid, &point, model.twist());
+                        let [low, mid, high] = [0, 1, 2].map(|i| fillet[2 * element + i].1);
+                        let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
+                        grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
                     }
-                    columns.extend(stress);
+                    for (column, part) in stress.iter_mut().zip(point.stress) {
+                        column.extend(part.iter().map(|(unknown, f)| (*unknown, share * f)));
+                    }
                 }
+                columns.extend(stress);
             }
         }
-        (grid, columns)
     }
+    (grid, columns)
+}
 
-    /// Adds a place along the profile of a gear that turns by `twist` rad per metre along z.
-    fn add(&mut self, point: &FacePoint, twist: f64) {
-        let [x, y, z] = point.place.into();
-        self.radii.push(x.hypot(y));
-        let (sin, cos) = (twist * z).sin_cos();
-        let across = (point.normal[0] * cos + point.normal[1] * sin).abs();
-        self.tangents.push(across.min(1.0).asin());
-    }
-
-    pub fn len(&self) -> usize {
-        self.radii.len() * self.z.len()
-    }
+/// Adds a place along the profile of a gear that turns by `twist` rad per metre along z.
+fn add(fillet: &mut Fillet, point: &FacePoint, twist: f64) {
+    let [x, y, z] = point.place.into();
+    fillet.radii.push(x.hypot(y));
+    let (sin, cos) = (twist * z).sin_cos();
+    let across = (point.normal[0] * cos + point.normal[1] * sin).abs();
+    fillet.tangents.push(across.min(1.0).asin());
 }
 
 impl FacePoint {

@@ -61,6 +61,12 @@ impl FlankGrid {
         self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
     }
 
+    /// Length of roll at both ends of the involute, m.
+    pub fn rolls(&self) -> [f64; 2] {
+        let last = self.arcs[self.arcs.len() - 1] / self.arc_per_roll_squared;
+        [self.form_roll, (self.form_roll.powi(2) + last).sqrt()]
+    }
+
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc(roll);

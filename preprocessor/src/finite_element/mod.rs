@@ -41,7 +41,7 @@ pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
 pub use model::{Stage, centre_line_compliance, sector_unknowns};
 pub use pair::{PairCompliance, pair_root_stress};
-pub use root_stress::{RootField, RootPoint, RootStress, SpreadSegments};
+pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};
 
 use flank::{FlankGrid, Weights};

@@ -6,26 +6,23 @@
 //! the map without a backward solution (reciprocity).
 
 use super::cache::{Stored, get};
-use super::fillet::{COMPONENTS, FilletGrid};
+use super::fillet;
 use super::flank::{FlankGrid, Weights};
 use super::mesh::{LoadColumn, Mesh};
 use super::model::Model;
 use super::settings::Settings;
 use super::{FiniteElementError, ModelCache, Origin, Progress};
 use gearmesh::compliance::{BeyondModel, Segment};
-use gearmesh::gear::{Gear, GearKind};
+use gearmesh::contact::{CondensedRoots, Fillet, ROLLS, RootField};
+use gearmesh::gear::Gear;
 
 /// Stress in the tooth roots of one gear per load on its flanks.
 #[derive(Debug, Clone)]
 pub struct RootStress {
     loads: FlankGrid,
-    fillet: FilletGrid,
+    fillet: Fillet,
     map: Map,
     reach: usize,
-    /// Distance from a load within which stress is left out of the largest one, m.
-    local: f64,
-    /// Tangent to the centre line at which the standards look, rad.
-    tangent: f64,
 }
 
 /// Stress by loads, rounded.
@@ -65,30 +62,6 @@ impl Stored for Map {
 #[derive(Debug, Clone)]
 pub struct SpreadSegments(Vec<(Segment, Weights)>);
 
-/// Stress in the root of one tooth beside its loaded flank.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RootField<'a> {
-    fillet: &'a FilletGrid,
-    tangent: f64,
-    /// At each place along the face how many places along the profile, from the middle of the space, no load is beside.
-    clear: Vec<usize>,
-    /// Largest principal stress at each place along the face (outer) and along the profile, Pa, tension positive.
-    principal: Vec<f64>,
-}
-
-/// A point of the fillet and the largest principal stress there.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RootPoint {
-    /// Largest principal stress, Pa, tension positive.
-    pub stress: f64,
-    /// Along the face, m from the z = 0 face of the gear as [`Segment`] counts it.
-    pub z: f64,
-    /// Distance from the axis, m.
-    pub radius: f64,
-    /// Angle between the fillet's tangent plane and the tooth's centre line, rad.
-    pub tangent: f64,
-}
-
 impl Settings {
     /// The same level for the stress in the root: fine along the fillet, coarse on the flank.
     #[must_use]
@@ -107,8 +80,6 @@ const FILLET_OVER_FLANK: f64 = 0.8;
 const FLANK_OVER_FLANK: f64 = 1.5;
 /// Units in the largest entry of a column: 2e-5 of it are the rounding.
 pub(super) const LARGEST: f64 = 32_000.0;
-/// Over the normal module: distance from a load within which the stress is that of its spreading, without limit at a tip corner.
-const LOCAL_OVER_MODULE: f64 = 0.45;
 /// Half-width of the load kernel over the element: what the kernel needs to be resolved.
 const KERNEL_OVER_ELEMENT: f64 = 1.25;
 
@@ -134,7 +105,7 @@ impl RootStress {
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
         let mesh = Mesh::new(&model);
-        let (fillet, stress) = FilletGrid::new(&model, &mesh);
+        let (fillet, stress) = fillet::points(&model, &mesh);
         let (map, origin) = get(cache, &model, "root stress, ", || {
             Map::new(&model, &mesh, &stress, progress)
         })?;
@@ -143,11 +114,6 @@ impl RootStress {
             fillet,
             map,
             reach: settings.reach,
-            local: LOCAL_OVER_MODULE * gear.normal_module,
-            tangent: match gear.kind {
-                GearKind::External => 30f64.to_radians(),
-                GearKind::Ring => 60f64.to_radians(),
-            },
         };
         Ok((found, origin))
     }
@@ -190,9 +156,7 @@ impl RootStress {
         loads: &[f64],
     ) -> Result<RootField<'_>, BeyondModel> {
         assert_eq!(segments.0.len(), loads.len(), "a load for each segment");
-        let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
-        let mut stress = vec![0.0; points];
-        let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];
+        let mut forces = vec![vec![0.0; self.loads.len()]; 2 * self.reach + 1];
         let mut beside = Vec::new();
         let loaded = segments
             .0
@@ -213,38 +177,55 @@ impl RootStress {
                 forces[*node] += weight * force;
             }
         }
-        let columns = self.map.units.iter().zip(self.map.entries.chunks(points));
-        let forces = forces.iter().flatten().zip(columns);
-        for (force, (unit, column)) in forces.filter(|(force, _)| **force != 0.0) {
-            let force = force * f64::from(*unit);
-            for (s, c) in stress.iter_mut().zip(column) {
-                *s += force * f64::from(*c);
-            }
-        }
-        let principal = stress.chunks(COMPONENTS).map(|s| {
-            let (mean, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
-            mean + half.hypot(s[2])
-        });
-        let places = self.fillet.z.iter();
-        Ok(RootField {
-            fillet: &self.fillet,
-            tangent: self.tangent,
-            clear: places.map(|z| self.clear(*z, &beside)).collect(),
-            principal: principal.collect(),
-        })
+        let forces = forces.iter().flatten().copied().enumerate();
+        let stress = self.stress(forces.filter(|(_, force)| *force != 0.0));
+        Ok(self.fillet.field(&stress, beside.into_iter()))
     }
 
-    /// How many places along the profile at `z` lie farther than `local` from the `loaded` segments of this tooth; at least one.
-    fn clear(&self, z: f64, loaded: &[&Segment]) -> usize {
-        let lowest = loaded.iter().filter_map(|segment| {
-            let nearest = z.clamp(segment.z[0], segment.z[1]);
-            let along = (nearest - segment.z[0]) / (segment.z[1] - segment.z[0]);
-            let roll = segment.roll[0] + along * (segment.roll[1] - segment.roll[0]);
-            let square = self.local.powi(2) - (z - nearest).powi(2);
-            (square > 0.0).then(|| self.loads.arc(roll) - square.sqrt())
-        });
-        let lowest = lowest.fold(f64::INFINITY, f64::min);
-        self.fillet.arcs.partition_point(|arc| *arc < lowest).max(1)
+    /// Components of the stress at all points of the fillet under the forces, N, of these columns of the map.
+    fn stress(&self, forces: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+        let count = self.fillet.components();
+        let mut stress = vec![0.0; count];
+        for (column, force) in forces {
+            let force = force * f64::from(self.map.units[column]);
+            let entries = &self.map.entries[column * count..][..count];
+            for (s, entry) in stress.iter_mut().zip(entries) {
+                *s += force * f64::from(*entry);
+            }
+        }
+        stress
+    }
+
+    /// The map from loads on the whole `stations` of the face, as this gear sees them, for contact at run time.
+    pub fn condensed(&self, stations: &[Segment]) -> CondensedRoots {
+        let middle = stations[stations.len() / 2];
+        let roll_by_z = (middle.roll[1] - middle.roll[0]) / (middle.z[1] - middle.z[0]);
+        let rolls = self.loads.rolls();
+        let mut values = Vec::new();
+        for away in 0..=2 * self.reach {
+            for station in stations {
+                let half = 0.5 * roll_by_z * (station.z[1] - station.z[0]);
+                for i in 0..ROLLS {
+                    let roll = rolls[0] + (rolls[1] - rolls[0]) * i as f64 / (ROLLS - 1) as f64;
+                    let segment = Segment {
+                        roll: [roll - half, roll + half],
+                        ..*station
+                    };
+                    let forces = self.loads.weights(&segment).into_iter();
+                    let first = away * self.loads.len();
+                    let stress = self.stress(forces.map(|(node, weight)| (first + node, weight)));
+                    values.extend(stress.into_iter().map(|s| s as f32));
+                }
+            }
+        }
+        CondensedRoots {
+            fillet: self.fillet.clone(),
+            reach: self.reach,
+            stations: stations.len(),
+            rolls,
+            roll_by_z,
+            values,
+        }
     }
 }
 
@@ -277,95 +258,6 @@ impl Map {
         }
         Ok(map)
     }
-}
-
-impl RootField<'_> {
-    /// Places along the face, m.
-    pub fn z(&self) -> &[f64] {
-        &self.fillet.z
-    }
-
-    /// The largest principal stress at each place along the profile, from the middle of the space to the start of the
-    /// involute, at the place `number` along the face.
-    pub fn profile(&self, number: usize) -> impl Iterator<Item = RootPoint> {
-        let fillet = self.fillet;
-        let points = self.stress(number).iter().enumerate();
-        points.map(move |(i, stress)| RootPoint {
-            stress: *stress,
-            z: fillet.z[number],
-            radius: fillet.radii[i],
-            tangent: fillet.tangents[i],
-        })
-    }
-
-    /// Largest principal stress at the places along the profile, Pa.
-    fn stress(&self, number: usize) -> &[f64] {
-        let n = self.fillet.arcs.len();
-        &self.principal[number * n..][..n]
-    }
-
-    /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on the flank of this tooth: there
-    /// it is local, and without limit under a corner. Between the places along the profile by a parabola.
-    pub fn largest(&self) -> RootPoint {
-        let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
-        places.reduce(larger).unwrap_or_default()
-    }
-
-    /// The same at the place `number` along the face.
-    pub fn largest_at(&self, number: usize) -> RootPoint {
-        let (stress, arcs, clear) = (self.stress(number), &self.fillet.arcs, self.clear[number]);
-        let top = (0..clear).max_by(|a, b| stress[*a].total_cmp(&stress[*b]));
-        let i = top.unwrap_or(0);
-        if i == 0 || i + 1 == clear {
-            return self.at_arc(number, arcs[i]);
-        }
-        let [x0, x2] = [i - 1, i + 1].map(|k| arcs[k] - arcs[i]);
-        let [y0, y2] = [i - 1, i + 1].map(|k| stress[k] - stress[i]);
-        // Through (0, 0): y = a x + b x²; both neighbours lie lower, so that b < 0 and the top between them.
-        let b = (y0 / x0 - y2 / x2) / (x0 - x2);
-        let a = y0 / x0 - b * x0;
-        let away = if b < 0.0 { -0.5 * a / b } else { 0.0 };
-        self.at_arc(number, arcs[i] + away)
-    }
-
-    /// Largest over the face at the place of the fillet whose tangent makes 30 degrees (ring: 60) with the centre
-    /// line of the tooth, but for what [`RootField::largest`] leaves out, unless that is all of it. None if the fillet has no such place.
-    pub fn at_tangent(&self) -> Option<RootPoint> {
-        let (arcs, tangents) = (&self.fillet.arcs, &self.fillet.tangents);
-        let holds = |i: &usize| tangents[*i] <= self.tangent && self.tangent < tangents[i - 1];
-        let after = (1..arcs.len()).rev().find(holds)?;
-        let t = (self.tangent - tangents[after]) / (tangents[after - 1] - tangents[after]);
-        let arc = arcs[after] + t * (arcs[after - 1] - arcs[after]);
-        let is_clear = |number: &usize| after < self.clear[*number];
-        let anywhere = !(0..self.clear.len()).any(|number| is_clear(&number));
-        let places = (0..self.clear.len()).filter(|number| anywhere || is_clear(number));
-        places.map(|number| self.at_arc(number, arc)).reduce(larger)
-    }
-
-    /// Parabola through the three places nearest to `arc`.
-    fn at_arc(&self, number: usize, arc: f64) -> RootPoint {
-        let (fillet, arcs) = (self.fillet, &self.fillet.arcs);
-        let distance = |i: &usize| (arcs[*i] - arc).abs();
-        let nearest = (0..arcs.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let i = nearest.unwrap_or(0).clamp(1, arcs.len() - 2);
-        let three = [i - 1, i, i + 1];
-        let weights = three.map(|k| {
-            let others = three.iter().filter(|o| **o != k);
-            let part = others.map(|o| (arc - arcs[*o]) / (arcs[k] - arcs[*o]));
-            part.product::<f64>()
-        });
-        let mean = |of: &[f64]| three.iter().zip(weights).map(|(k, w)| w * of[*k]).sum();
-        RootPoint {
-            stress: mean(self.stress(number)),
-            z: fillet.z[number],
-            radius: mean(&fillet.radii),
-            tangent: mean(&fillet.tangents),
-        }
-    }
-}
-
-fn larger(a: RootPoint, b: RootPoint) -> RootPoint {
-    if b.stress > a.stress { b } else { a }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 use super::*;
 use crate::samples;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
+use gearmesh::gear::GearKind;
 use gearmesh::pair::Refinement;
 
 fn settings(refinement: Refinement, plane_strain: bool) -> Settings {
@@ -83,7 +84,7 @@ fn stress_under(gear: &Gear, u: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> 
     let settings = Settings::new(Refinement::Coarse, 1).for_root_stress();
     let model = Model::new(gear, &settings).unwrap();
     let mesh = Mesh::new(&model);
-    let (_, functionals) = FilletGrid::new(&model, &mesh);
+    let (_, functionals) = fillet::points(&model, &mesh);
     let values: Vec<f64> = functionals
         .iter()
         .map(|column| {
@@ -166,7 +167,8 @@ fn largest_stress_does_not_follow_the_width_of_a_corner_load_beside_the_fillet()
         };
         let even = (segment(&gear, 0, 42e-3), 2000.0);
         let field = model.of_tooth(0, &[even, (corner, 600.0)]).unwrap();
-        let anywhere = field.principal.iter().copied().fold(0.0, f64::max);
+        let places = (0..field.z().len()).flat_map(|number| field.profile(number));
+        let anywhere = places.map(|point| point.stress).fold(0.0, f64::max);
         (field.largest(), anywhere)
     });
     // Beside the corner there is no limit.

@@ -20,8 +20,6 @@ pub(super) const TEMPLATE: &str = include_str!("../../../modelDescription.xml");
 const PAGE: &str = include_str!("../../../resources/documentation/index.html");
 const LICENCE: &str = "This FMU is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
      third-party.txt has the licences of the crates that its library links.\n";
-/// Name of the file of input signals.
-const EXAMPLE: &str = "example-input.csv";
 const FRAMES: &str = include_str!("../../../docs/frames.svg");
 
 /// Files that are the same in each FMU.
@@ -60,25 +58,26 @@ pub(super) struct Description<'a> {
 impl Description<'_> {
     /// Files of the archive by their names.
     pub fn files(self) -> Vec<(String, Vec<u8>)> {
-        let constant = CONSTANT.map(|(name, bytes)| (name.to_owned(), bytes.to_vec()));
-        let mut files = constant.to_vec();
+        let mut files = CONSTANT
+            .map(|(name, bytes)| (name.to_owned(), bytes.to_vec()))
+            .to_vec();
         files.push(("modelDescription.xml".into(), self.xml().into_bytes()));
         files.push(("documentation/index.html".into(), self.page().into_bytes()));
         let example = self.example.map(String::into_bytes);
-        files.extend(example.map(|bytes| (format!("documentation/{EXAMPLE}"), bytes)));
+        files.extend(example.map(|bytes| ("documentation/example-input.csv".into(), bytes)));
         files
     }
 
     /// One sentence about the FMU, for XML.
     fn summary(&self) -> String {
         let [z1, z2] = self.unit.geometry.gears.each_ref().map(|gear| gear.teeth);
-        let kind = match self.unit.geometry.ring() {
-            Some(_) => "internal",
-            None => "external",
-        };
-        let stiffness = match self.table {
-            Some(_) => "tables of static tooth contact",
-            None => "constant stiffness",
+        let is_internal = self.unit.geometry.ring().is_some();
+        let kind = if is_internal { "internal" } else { "external" };
+        let has_tables = self.table.is_some();
+        let stiffness = if has_tables {
+            "tables of static tooth contact"
+        } else {
+            "constant stiffness"
         };
         let name = escape(&self.unit.name);
         format!("Contact of the {kind} gear pair {name}, {z1} and {z2} teeth, with {stiffness}")
@@ -87,23 +86,19 @@ impl Description<'_> {
     /// modelDescription.xml: the template with name, GUID, step and start values.
     fn xml(&self) -> String {
         let document = Document::parse(TEMPLATE).expect("the template is XML");
-        let named = |name: &'static str| {
-            let mut nodes = document.descendants();
-            nodes.find(move |node| node.has_tag_name(name))
-        };
         let root = document.root_element();
         let mut edits: Vec<(Node, &str, String)> = vec![
             (root, "modelName", escape(&self.unit.name)),
             (root, "guid", self.unit.guid.clone()),
             (root, "description", self.summary()),
         ];
-        let step = format!("{:?}", self.coupling.step());
-        edits.extend(named("DefaultExperiment").map(|node| (node, "stepSize", step)));
-        let variables = named("ModelVariables").into_iter();
-        for variable in variables.flat_map(|node| node.children()) {
-            let name = variable.attribute("name").unwrap_or_default();
-            let start = self.unit.starts.get(name);
-            if let (Some(start), Some(typed)) = (start, variable.first_element_child()) {
+        for node in document.descendants() {
+            let start = node
+                .attribute("name")
+                .and_then(|name| self.unit.starts.get(name));
+            if node.has_tag_name("DefaultExperiment") {
+                edits.push((node, "stepSize", format!("{:?}", self.coupling.step())));
+            } else if let (Some(start), Some(typed)) = (start, node.first_element_child()) {
                 let text = match typed.tag_name().name() {
                     "Real" => format!("{start:?}"),
                     "Boolean" => (*start != 0.0).to_string(),
@@ -147,23 +142,18 @@ impl Description<'_> {
         let mut put = |key: &str, text: String| texts.push((format!("@{key}@"), text));
         put("NAME", escape(&self.unit.name));
         put("SUMMARY", self.summary());
-        put(
-            "FRAMES",
-            FRAMES[FRAMES.find("<svg").unwrap_or(0)..].to_owned(),
-        );
+        let svg = FRAMES.find("<svg").unwrap_or(0);
+        put("FRAMES", FRAMES[svg..].to_owned());
         put("SPIN", format!("{:.9}", meshing_spin(geometry)));
-        let torque = &VARIABLES[index::NOMINAL_TORQUE];
-        put("TORQUE", self.start(torque).to_string());
+        let torque = self.start(&VARIABLES[index::NOMINAL_TORQUE]);
+        put("TORQUE", torque.to_string());
         put("CYCLES", CYCLES.to_string());
         put("STOP", STOP_TIME.to_string());
         if let Some(tables) = self.table {
             let rows = tables.file().summary().into_iter();
             let rows = rows.map(|(name, value)| [escape(&name), escape(&value)]);
             put("TABLES", table(&[], rows));
-            put(
-                "STE",
-                transmission_error::figure(tables, self.start(torque)),
-            );
+            put("STE", transmission_error::figure(tables, torque));
         }
         put("PARAMETERS", self.variables(Causality::Parameter));
         put("INPUTS", self.variables(Causality::Input));
@@ -172,10 +162,10 @@ impl Description<'_> {
             (1, &geometry.gears[0], &c.blanks[0]),
             (2, &geometry.gears[1], &c.blanks[1]),
         ] {
-            let hand = match (gear.helix_angle > 0.0, gear.hand > 0.0) {
-                (false, _) => "spur",
-                (true, true) => "right",
-                (true, false) => "left",
+            let hand = match gear.hand > 0.0 {
+                _ if gear.helix_angle == 0.0 => "spur",
+                true => "right",
+                false => "left",
             };
             let mut put = |key: &str, text: String| put(&format!("{key}_{number}"), text);
             put("TEETH", gear.teeth.to_string());
@@ -223,9 +213,10 @@ impl Description<'_> {
 
     /// All variables of one causality with their start values; outputs have none.
     fn variables(&self, causality: Causality) -> String {
-        let default = match causality {
-            Causality::Output => "",
-            _ => "default",
+        let default = if causality == Causality::Output {
+            ""
+        } else {
+            "default"
         };
         let heads = ["name", "value reference", "unit", default, "meaning"];
         let chosen = VARIABLES.iter().filter(|v| v.causality == causality);
@@ -266,11 +257,8 @@ fn escape(text: &str) -> String {
 /// A table of HTML with these heads, if there are any.
 fn table<const N: usize>(heads: &[&str], rows: impl IntoIterator<Item = [String; N]>) -> String {
     let line = |tag: &str, cells: &[&str]| {
-        let cells: String = cells
-            .iter()
-            .map(|c| format!("<{tag}>{c}</{tag}>"))
-            .collect();
-        format!("<tr>{cells}</tr>\n")
+        let cells = cells.iter().map(|cell| format!("<{tag}>{cell}</{tag}>"));
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
     };
     let mut out = String::from("<table>\n");
     if !heads.is_empty() {

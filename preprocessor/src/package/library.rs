@@ -165,16 +165,6 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_no_library_is_refused_by_name() {
-        let text = concat!(env!("CARGO_MANIFEST_DIR"), "/src/package/library.rs");
-        let error = Library::read(Path::new(text)).unwrap_err().to_string();
-        assert!(
-            error.contains("library.rs") && error.contains("no shared library"),
-            "{error}"
-        );
-    }
-
-    #[test]
     fn every_library_beside_the_program_is_found_and_none_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let program = folder.path().join("gearmesh");
@@ -194,6 +184,7 @@ mod tests {
         // One that is no library is named rather than left out.
         fs::write(folder.path().join("gearmesh.dll"), "text").unwrap();
         let error = libraries_beside(&program).unwrap_err().to_string();
-        assert!(error.contains("gearmesh.dll"), "{error}");
+        let words = ["gearmesh.dll", "no shared library"];
+        assert!(words.iter().all(|w| error.contains(w)), "{error}");
     }
 }

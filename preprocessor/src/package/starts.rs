@@ -139,10 +139,8 @@ impl Starts {
         }
         starts.extend(&self.values);
         starts.extend(self.settings.iter().map(|s| (s.index, s.value)));
-        let named = starts.into_iter();
-        named
-            .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
-            .collect()
+        let named = |(i, value): (usize, f64)| (VARIABLES[i].name.to_owned(), value);
+        starts.into_iter().map(named).collect()
     }
 
     /// Whether the user does.
@@ -178,8 +176,7 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     pitch(g2.z()) * if turn > 0.5 { turn - 1.0 } else { turn }
 }
 
-/// A start value by the name of its variable: `damping=500`, `interpolation=shepard`,
-/// `coupling=held`.
+/// A start value by the name of its variable: `damping=500`, `interpolation=shepard`, `coupling=held`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Index in [`VARIABLES`].
@@ -237,50 +234,44 @@ impl FromStr for Setting {
         let (name, value) = (name.trim(), value.trim());
         let found = index_by_name(name).filter(|&i| VARIABLES[i].causality != Causality::Output);
         let index = found.ok_or_else(|| {
-            let parameters = VARIABLES.iter().map(|v| (v.causality, v.name));
-            let known = parameters.filter(|(causality, _)| *causality == Causality::Parameter);
+            let parameters = VARIABLES
+                .iter()
+                .filter(|v| v.causality == Causality::Parameter);
+            let known: Vec<&str> = parameters.map(|v| v.name).collect();
             SettingError::Unknown {
                 name: name.to_owned(),
-                known: known.map(|(_, name)| name).collect::<Vec<_>>().join(", "),
+                known: known.join(", "),
             }
         })?;
         let variable = &VARIABLES[index];
-        let (parsed, remedy) = match variable.kind {
-            Kind::Boolean => {
-                let parsed = value.parse::<bool>().ok();
-                (
-                    parsed.map(|on| f64::from(u8::from(on))),
-                    "true or false".to_owned(),
-                )
-            }
-            Kind::Enumeration => {
-                let number = variable.items.iter().position(|item| *item == value);
-                let remedy = format!("one of {}", variable.items.join(", "));
-                (number.map(|i| i as f64 + 1.0), remedy)
-            }
+        let (min, max, items) = (variable.min, variable.max, variable.items);
+        let parsed = match variable.kind {
+            Kind::Boolean => value.parse::<bool>().ok().map(|on| f64::from(u8::from(on))),
+            Kind::Enumeration => (1..)
+                .zip(items)
+                .find_map(|(n, item)| (*item == value).then_some(f64::from(n))),
+            Kind::Real => value.parse().ok().filter(|x: &f64| {
+                x.is_finite() && min.is_none_or(|m| *x >= m) && max.is_none_or(|m| *x <= m)
+            }),
+        };
+        let remedy = || match variable.kind {
+            Kind::Boolean => "true or false".to_owned(),
+            Kind::Enumeration => format!("one of {}", items.join(", ")),
             Kind::Real => {
-                let number = value.parse().ok().filter(|x: &f64| {
-                    x.is_finite()
-                        && variable.min.is_none_or(|m| *x >= m)
-                        && variable.max.is_none_or(|m| *x <= m)
-                });
-                let mut remedy = String::from("a number with a decimal point");
-                if let Some(min) = variable.min {
-                    remedy += &format!(", {min} or above");
-                }
-                if let Some(max) = variable.max {
-                    remedy += &format!(", {max} or below");
-                }
-                if !["", "1"].contains(&variable.unit) {
-                    remedy += &format!(", in {}", variable.unit);
-                }
-                (number, remedy)
+                let unit = Some(variable.unit).filter(|unit| !["", "1"].contains(unit));
+                let limits = [
+                    min.map(|min| format!(", {min} or above")),
+                    max.map(|max| format!(", {max} or below")),
+                    unit.map(|unit| format!(", in {unit}")),
+                ];
+                let limits: String = limits.into_iter().flatten().collect();
+                format!("a number with a decimal point{limits}")
             }
         };
         let value = parsed.ok_or_else(|| SettingError::Value {
             name: variable.name,
             value: value.to_owned(),
-            remedy,
+            remedy: remedy(),
         })?;
         Ok(Self { index, value })
     }
@@ -295,15 +286,10 @@ mod tests {
     use gearmesh::gear::GearKind;
     use nalgebra::Rotation3;
 
-    /// A pair without backlash of `z1` and `z2` teeth, module 2 mm, helix 15 deg; a negative count is a
-    /// ring.
+    /// A pair without backlash of `z1` and `z2` teeth, module 2 mm, helix 15 deg; a negative count is a ring.
     fn pair(z1: i32, z2: i32) -> PairGeometry {
         let gear = |z: i32, hand: f64| {
-            let kind = if z < 0 {
-                GearKind::Ring
-            } else {
-                GearKind::External
-            };
+            let kind = [GearKind::External, GearKind::Ring][usize::from(z < 0)];
             samples::with_module(samples::gear(kind, z.unsigned_abs(), hand, 15.0, 0.0), 2e-3)
         };
         let e = f64::from(z1.signum() * z2.signum());
@@ -316,15 +302,8 @@ mod tests {
 
     #[test]
     fn at_the_meshing_spin_absolute_phases_neither_press_nor_leave_a_gap() {
-        for (z1, z2) in [
-            (20, 20),
-            (21, 30),
-            (20, 31),
-            (19, -60),
-            (20, -61),
-            (-60, 19),
-            (-61, 20),
-        ] {
+        let rings = [(19, -60), (20, -61), (-60, 19), (-61, 20)];
+        for (z1, z2) in [(20, 20), (21, 30), (20, 31)].into_iter().chain(rings) {
             let mut pair = pair(z1, z2);
             pair.gears[1].face_offset = 1.5e-3;
             for flank in [LoadedFlank::Drive, LoadedFlank::Coast] {
@@ -401,27 +380,20 @@ mod tests {
 
     #[test]
     fn what_cannot_be_set_is_refused_with_what_can() {
-        for (text, reason) in [
-            ("damping", "name=value"),
-            (
-                "dampin=3",
-                "no parameter or input dampin; its parameters are stiffnessModel",
-            ),
-            ("mesh.stiffness=3", "no parameter or input mesh.stiffness"),
-            (
-                "damping=-1",
-                "damping = -1: give a number with a decimal point, 0 or above, in N.s/m",
-            ),
-            ("damping=1,5", "damping = 1,5"),
-            ("damping=inf", "damping = inf"),
-            (
-                "loadedFlank=2",
-                "loadedFlank = 2: give one of drive, coast, both",
-            ),
-            ("friction=1", "friction = 1: give true or false"),
+        let error = |text: &str| text.parse::<Setting>().unwrap_err().to_string();
+        let number = "give a number with a decimal point, 0 or above, in N.s/m";
+        for (name, value, remedy) in [
+            ("damping", "-1", number),
+            ("damping", "1,5", number),
+            ("damping", "inf", number),
+            ("loadedFlank", "2", "give one of drive, coast, both"),
+            ("friction", "1", "give true or false"),
         ] {
-            let error = text.parse::<Setting>().unwrap_err().to_string();
-            assert!(error.contains(reason), "{text}: {error}");
+            let text = format!("{name}={value}");
+            assert_eq!(error(&text), format!("{name} = {value}: {remedy}"));
         }
+        assert!(error("damping").contains("name=value"));
+        assert!(error("mesh.stiffness=3").contains("no parameter or input mesh.stiffness"));
+        assert!(error("dampin=3").contains("dampin; its parameters are stiffnessModel"));
     }
 }

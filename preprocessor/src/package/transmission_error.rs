@@ -102,15 +102,6 @@ mod tests {
                 (peak_to_peak / expected - 1.0).abs() < 0.05,
                 "{name}: {peak_to_peak} {expected}"
             );
-            let (_, points) = figure.split_once("points=\"").unwrap();
-            let points: Vec<f64> = (points.split('"').next().unwrap().split_whitespace())
-                .map(|point| point.split_once(',').unwrap().1.parse().unwrap())
-                .collect();
-            assert_eq!(points.len(), POINTS + 1);
-            assert_eq!(points[0], points[POINTS], "periodic");
-            let [top, height] = [FRAME[1], FRAME[3]];
-            assert_eq!(points.iter().copied().fold(f64::MAX, f64::min), top);
-            assert_eq!(points.iter().copied().fold(0.0, f64::max), top + height);
             // Beyond the tables: at their largest torque.
             let end = super::figure(&table, 1e9);
             assert_eq!(end, super::figure(&table, file.maximum_torque_nm));

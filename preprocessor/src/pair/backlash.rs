@@ -65,14 +65,16 @@ pub(super) fn set_backlash(
         ("backlash_um", circumferential, 1.0 / cos_phi),
         ("normal_backlash_um", normal, cos_b),
     ];
-    if let (Some(first), Some(second)) = (circumferential, normal) {
-        let [(name, _, scale), (other, _, other_scale)] = fields;
+    if let [
+        (name, Some(first), scale),
+        (other, Some(second), other_scale),
+    ] = fields
+    {
         ensure!((first - second).abs() <= 2.0 * UM, other => second / UM * other_scale;
             "`{name}` = {} says otherwise", first / UM * scale;
             "give one of them, or {:.1}", first / UM * other_scale);
     }
-    let mut given_fields = fields.into_iter();
-    let wanted = given_fields.find_map(|(name, j, scale)| Some((name, j?, scale)));
+    let wanted = (fields.into_iter()).find_map(|(name, j, scale)| Some((name, j?, scale)));
     // Beyond half a module it is no backlash, but another centre distance.
     let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
     ensure!(wanted.is_none_or(|(_, j, _)| (natural - j).abs() <= out_of_place), "center_distance_mm" => c / MM;

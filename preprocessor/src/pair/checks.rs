@@ -1,42 +1,39 @@
 //! What can be said of each number of the file on its own, before any geometry is built from it.
 
 use super::error::{Refusal, ensure, refusal};
-use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile, ReliefFile};
+use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
 use gearmesh::words::{number, rounded};
 
-/// Numbers that a field may have, as the file writes them.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Range {
-    /// Both ends included.
-    Within(f64, f64),
-    /// Above 0.
-    UpTo(f64),
-}
-use Range::{UpTo, Within};
+/// The least number above 0.
+pub(super) const ABOVE_0: f64 = f64::MIN_POSITIVE;
 
-/// Checks the number at `path`, if there is one.
+/// Checks that the number at `path`, if there is one, lies in `range`, both ends included.
 pub(super) fn check(
     path: &str,
     value: impl Into<Option<f64>>,
-    range: Range,
+    range: [f64; 2],
 ) -> Result<(), Refusal> {
-    let Some(value) = value.into() else {
-        return Ok(());
+    let check = |value| check_with_usual(path, value, range, range);
+    value.into().map_or(Ok(()), check)
+}
+
+/// The same of a number that lies within `usual` in its unit.
+pub(super) fn check_with_usual(
+    path: &str,
+    value: f64,
+    range: [f64; 2],
+    usual: [f64; 2],
+) -> Result<(), Refusal> {
+    let [low, high] = range.map(rounded);
+    let problem = match range[0] == ABOVE_0 {
+        true => format!("must be above 0 and at most {high}"),
+        false => format!("lies outside {low} to {high}"),
     };
-    let (limits, problem) = match range {
-        // As they are shown: 0.1 * 1.5 is not quite 0.15.
-        Within(low, high) => {
-            let [low, high] = [low, high].map(rounded);
-            ([low, high], format!("lies outside {low} to {high}"))
-        }
-        UpTo(high) => {
-            let problem = format!("must be above 0 and at most {high}");
-            ([f64::MIN_POSITIVE, high], problem)
-        }
-    };
-    let otherwise = "give a value in that range, in the unit of the name";
-    let remedy = remedy(path, value, limits, otherwise);
-    ensure!(within(value, limits), path => value; "{problem}"; "{remedy}");
+    let meant = meant(path, value, usual).map_or_else(String::new, |meant| format!(": {meant}"));
+    // A limit as it is shown is allowed, too: 0.1 * 1.5 is not quite 0.15.
+    let allowed = [low.min(range[0]), high.max(range[1])];
+    ensure!(within(value, allowed), path => number(value);
+        "{problem}"; "give a value in that range, in the unit of the name{meant}");
     Ok(())
 }
 
@@ -116,22 +113,20 @@ pub(super) const LEAST_HELIX: f64 = 1.05;
 pub(super) fn notes(file: &PairFile) -> Vec<String> {
     // The end of a range that is farther from nominal.
     let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
-    let (o, number) = (&file.operating, |field: Option<f64>| field.unwrap_or(0.0));
+    let o = &file.operating;
     let [offset, tilt] = [o.center_distance_offset_um, o.misalignment_mrad].map(farther);
-    let rows = [
-        ("helix_angle_deg", number(file.helix_angle_deg), LEAST_HELIX),
-        ("backlash_um", number(file.backlash_um), 1.0),
-        ("operating.center_distance_offset_um", offset, 0.1),
-        ("operating.misalignment_mrad", tilt, 0.02),
+    let (helix, backlash) = (file.helix_angle_deg, file.backlash_um);
+    let mut notes = vec![
+        note("helix_angle_deg", helix.unwrap_or(0.0), LEAST_HELIX),
+        note("backlash_um", backlash.unwrap_or(0.0), 1.0),
+        note("operating.center_distance_offset_um", offset, 0.1),
+        note("operating.misalignment_mrad", tilt, 0.02),
     ];
-    let mut notes: Vec<_> = rows
-        .map(|(field, value, least)| note(field, value, least))
-        .into();
     for i in 0..2 {
         for (prefix, flank) in file.gear(i).flanks() {
-            for (field, um, _) in amounts(&flank, 0.0) {
-                notes.push(note(&in_gear(i, &format!("{prefix}{field}")), um, 0.1));
-            }
+            let path = in_gear(i, prefix);
+            let note = |(field, um, _)| note(&format!("{path}{field}"), um, 0.1);
+            notes.extend(amounts(&flank).map(note));
         }
     }
     notes.into_iter().flatten().collect()
@@ -156,13 +151,13 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
     let module = file.normal_module_mm;
     limits! { "", file;
         // Smaller ones than any tooth has are metres.
-        normal_module_mm: Within(0.02, 1000.0);
-        normal_pressure_angle_deg: Within(10.0, 35.0);
-        helix_angle_deg: Within(-60.0, 60.0);
-        center_distance_mm: UpTo(1e5);
-        backlash_um: Within(0.0, 250.0 * module);
-        face_offset_mm: Within(-1e4, 1e4);
-        normal_backlash_um via Dimension::middle: Within(0.0, 250.0 * module);
+        normal_module_mm: [0.02, 1000.0];
+        normal_pressure_angle_deg: [10.0, 35.0];
+        helix_angle_deg: [-60.0, 60.0];
+        center_distance_mm: [ABOVE_0, 1e5];
+        backlash_um: [0.0, 250.0 * module];
+        face_offset_mm: [-1e4, 1e4];
+        normal_backlash_um via Dimension::middle: [0.0, 250.0 * module];
     }
     for i in 0..2 {
         check_gear(i, file.gear(i), module)?;
@@ -174,101 +169,80 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
 
 fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
     let gear = in_gear(i, "");
-    ensure!((4..=5000).contains(&g.teeth), format!("{gear}teeth") => g.teeth;
-        "lies outside 4 to 5000"; "give the number of teeth, positive for a ring, too");
+    check(&format!("{gear}teeth"), f64::from(g.teeth), [4.0, 5000.0])?;
     if let (Some(addendum), Some(mm)) = (g.addendum_coefficient, g.tip_diameter_mm) {
         return Err(refusal!(format!("{gear}addendum_coefficient") => addendum;
             "`tip_diameter_mm` = {mm} says the same"; "give only one of them"));
     }
     limits! { gear, g;
-        profile_shift: Within(-3.0, 3.0);
-        profile_shift_iso_21771: Within(-3.0, 3.0);
-        ball_diameter_mm: UpTo(5.0 * module);
-        face_width_mm: UpTo(1e4);
+        profile_shift: [-3.0, 3.0];
+        profile_shift_iso_21771: [-3.0, 3.0];
+        ball_diameter_mm: [ABOVE_0, 5.0 * module];
+        face_width_mm: [ABOVE_0, 1e4];
         // Beyond a hundred modules of face the elastic model outgrows memory.
-        face_width_mm: Within(0.05 * module, 100.0 * module);
-        tip_diameter_mm: UpTo(1e5);
-        addendum_coefficient: UpTo(3.0);
-        dedendum_coefficient: UpTo(3.0);
-        tool_tip_radius_coefficient: Within(0.0, 1.0);
-        bore_diameter_mm: UpTo(1e5);
-        rim_diameter_mm: UpTo(1e5);
-        youngs_modulus_gpa: UpTo(2000.0);
-        poisson_ratio: Within(0.0, 0.49);
-        span_teeth via f64::from: Within(1.0, f64::from(g.teeth));
-        normal_tooth_thickness_mm via Dimension::middle: UpTo(1e5);
-        span_measurement_mm via Dimension::middle: UpTo(1e5);
-        dimension_over_balls_mm via Dimension::middle: UpTo(1e5);
-        root_diameter_mm via Dimension::middle: UpTo(1e5);
+        face_width_mm: [0.05 * module, 100.0 * module];
+        tip_diameter_mm: [ABOVE_0, 1e5];
+        addendum_coefficient: [ABOVE_0, 3.0];
+        dedendum_coefficient: [ABOVE_0, 3.0];
+        tool_tip_radius_coefficient: [0.0, 1.0];
+        bore_diameter_mm: [ABOVE_0, 1e5];
+        rim_diameter_mm: [ABOVE_0, 1e5];
+        youngs_modulus_gpa: [ABOVE_0, 2000.0];
+        poisson_ratio: [0.0, 0.49];
+        span_teeth via f64::from: [1.0, f64::from(g.teeth)];
+        normal_tooth_thickness_mm via Dimension::middle: [ABOVE_0, 1e5];
+        span_measurement_mm via Dimension::middle: [ABOVE_0, 1e5];
+        dimension_over_balls_mm via Dimension::middle: [ABOVE_0, 1e5];
+        root_diameter_mm via Dimension::middle: [ABOVE_0, 1e5];
     }
     Ok(())
 }
 
-/// Removal over the length of roll or of the face within which it grows, at most.
+/// Removal over the length of roll or of the face within which it grows, at most: what is steeper is a chamfer.
 pub(super) const STEEPEST: f64 = 0.1;
 
-/// Amounts of microgeometry: no more than a twentieth of the module, beyond which the flank is another flank and
-/// no modification; those that only take material off not negative.
+/// Amounts of microgeometry: at most a twentieth of the module, beyond which the flank is another one; those that only take
+/// material off not negative.
 fn check_amounts(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
     let most = 50.0 * module;
     for (prefix, flank) in g.flanks() {
         let path = in_gear(i, prefix);
-        for (field, um, low) in amounts(&flank, -most) {
-            let problem = match um < low && low == 0.0 {
-                true => "adds material".into(),
-                false => format!(
-                    "exceeds a twentieth of the normal module, {} um",
-                    rounded(most)
-                ),
-            };
-            ensure!(um >= low && um <= most, format!("{path}{field}") => um;
-                "{problem}";
-                "give the removal normal to the flank in micrometres, positive, as for a modification of the flank");
+        for (field, um, has_sign) in amounts(&flank) {
+            let low = if has_sign { -most } else { 0.0 };
+            check(&format!("{path}{field}"), um, [low, most])?;
         }
-        let ends = [
-            ("end_relief", &flank.end_relief),
-            ("lower_end_relief", &flank.lower_end_relief),
-            ("upper_end_relief", &flank.upper_end_relief),
-        ];
-        for (field, relief) in ends {
-            let Some(relief) = relief else { continue };
-            let (um, mm) = (relief.amount_um, relief.length_mm);
+        for (field, relief) in flank.end_reliefs() {
+            let least = (1e-3 * relief.amount_um / STEEPEST).max(ABOVE_0);
             let field = format!("{path}{field}.length_mm");
-            let (least, longest) = (1e-3 * um / STEEPEST, 0.5 * g.face_width_mm);
-            ensure!(mm > 0.0 && mm <= longest, &field => mm;
-                "must be above 0 and at most half of the face width, {} mm", rounded(longest);
-                "shorten the end relief, or use `lead_crowning_um` over the whole face");
-            ensure!(mm >= least, &field => number(mm);
-                "is steeper than one in ten under {um} um: a chamfer, and no relief";
-                "give at least {} mm, or a smaller amount", rounded(least));
+            check(&field, relief.length_mm, [least, 0.5 * g.face_width_mm])?;
         }
     }
     Ok(())
 }
 
-/// Field, amount in um and least amount of every modification that is given; those of either sign may go down to
-/// `least`.
-fn amounts(f: &FlankFile, least: f64) -> impl Iterator<Item = (&'static str, f64, f64)> {
-    let profile = |relief: &Option<ReliefFile>| Some(relief.as_ref()?.amount_um);
-    let end = |relief: &Option<EndReliefFile>| Some(relief.as_ref()?.amount_um);
+/// Field and amount in um of every modification that is given, and whether it may be of either sign.
+fn amounts(f: &FlankFile) -> impl Iterator<Item = (String, f64, bool)> {
+    let [tip, root] = [&f.tip_relief, &f.root_relief].map(|r| Some(r.as_ref()?.amount_um));
     let rows = [
-        ("tip_relief.amount_um", profile(&f.tip_relief), 0.0),
-        ("root_relief.amount_um", profile(&f.root_relief), 0.0),
-        ("end_relief.amount_um", end(&f.end_relief), 0.0),
-        ("lower_end_relief.amount_um", end(&f.lower_end_relief), 0.0),
-        ("upper_end_relief.amount_um", end(&f.upper_end_relief), 0.0),
-        ("profile_crowning_um", f.profile_crowning_um, 0.0),
-        ("profile_slope_um", f.profile_slope_um, least),
-        ("bias_um", f.bias_um, least),
-        ("lead_crowning_um", f.lead_crowning_um, 0.0),
-        ("lead_slope_um", f.lead_slope_um, least),
+        ("tip_relief.amount_um", tip, false),
+        ("root_relief.amount_um", root, false),
+        ("profile_crowning_um", f.profile_crowning_um, false),
+        ("profile_slope_um", f.profile_slope_um, true),
+        ("bias_um", f.bias_um, true),
+        ("lead_crowning_um", f.lead_crowning_um, false),
+        ("lead_slope_um", f.lead_slope_um, true),
     ];
-    (rows.into_iter()).filter_map(|(field, um, least)| Some((field, um?, least)))
+    let rows = rows
+        .into_iter()
+        .filter_map(|(field, um, sign)| Some((field.into(), um?, sign)));
+    let end = |(field, relief): (_, &EndReliefFile)| {
+        (format!("{field}.amount_um"), relief.amount_um, false)
+    };
+    rows.chain(f.end_reliefs().map(end))
 }
 
 /// Bore or rim: which of them a gear may have says whether it is a ring.
 fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
-    let is_internal = file.meshing == Meshing::Internal;
     for i in 0..2 {
         let (g, mate) = (file.gear(i), file.gear(1 - i));
         let bore = g.bore_diameter_mm;
@@ -276,7 +250,7 @@ fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
             let field = in_gear(i, "rim_diameter_mm");
             ensure!(bore.is_none(), field => rim;
                 "the gear has a `bore_diameter_mm`, too"; "give a bore for an external gear, a rim for a ring");
-            ensure!(is_internal, field => rim;
+            ensure!(file.meshing == Meshing::Internal, field => rim;
                 "both gears of an external pair are held at their bore";
                 "give `bore_diameter_mm`, or say `\"meshing\": \"internal\"`");
             ensure!(mate.rim_diameter_mm.is_none(), field => rim;
@@ -295,20 +269,21 @@ fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     let nominal = o.nominal_torque_nm;
     ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
-    ensure!((nominal..=most).contains(&o.maximum_torque_nm), "operating.maximum_torque_nm" => o.maximum_torque_nm;
-        "is no limit above the nominal torque, {nominal}"; "give at least the nominal torque, on gear 1");
-    let offset = o.center_distance_offset_um;
-    for (name, [low, high], most) in [
-        ("center_distance_offset_um", offset, 1e4),
-        ("misalignment_mrad", o.misalignment_mrad, 20.0),
+    check(
+        "operating.maximum_torque_nm",
+        o.maximum_torque_nm,
+        [nominal, most],
+    )?;
+    for (field, [low, high], most) in [
+        (
+            "operating.center_distance_offset_um",
+            o.center_distance_offset_um,
+            1e4,
+        ),
+        ("operating.misalignment_mrad", o.misalignment_mrad, 20.0),
     ] {
-        let (field, value) = (format!("operating.{name}"), format!("[{low}, {high}]"));
-        ensure!(low <= high, field => value; "is reversed"; "give the lower end first");
-        ensure!(low <= 0.0 && high >= 0.0, field => value;
-            "does not contain zero, the nominal state";
-            "give deviations from nominal, such as [-1.0, 1.0] or [0.0, 0.0]");
-        ensure!(low >= -most && high <= most, field => value;
-            "goes beyond {most} on one side"; "narrow the range; check the unit in the name");
+        check(field, low, [-most, 0.0])?;
+        check(field, high, [0.0, most])?;
     }
     Ok(())
 }

@@ -180,12 +180,13 @@ fn helix(file: &PairFile) -> Result<f64, Refusal> {
     let mut known = file.helix_angle_deg;
     for i in 0..2 {
         let g = file.gear(i);
-        let Some(mm) = g.lead_mm else {
-            continue;
-        };
+        let Some(mm) = g.lead_mm else { continue };
         let name = in_gear(i, "lead_mm");
-        let is_other_hand = i == 1 && file.ring().is_none();
-        let side = if is_other_hand { -1.0 } else { 1.0 };
+        let side = if i == 1 && file.ring().is_none() {
+            -1.0
+        } else {
+            1.0
+        };
         let per_sine = f64::from(g.teeth) * PI * file.normal_module_mm;
         let angle = side * (per_sine / mm).asin().to_degrees();
         ensure!(known != Some(0.0), name => mm;
@@ -203,36 +204,41 @@ fn helix(file: &PairFile) -> Result<f64, Refusal> {
     Ok(known.unwrap_or(0.0))
 }
 
-/// A tooth thickness as the drawing gives it.
-struct Given {
-    measure: Measure,
-    field: &'static str,
-    value: Dimension,
-}
+/// A tooth thickness as the drawing gives it: the measure, its field and its value.
+type Given = (Measure, &'static str, Dimension);
 
 /// The tooth thicknesses given for gear `i`.
 fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusal> {
-    let span = g.span_teeth.map(Measure::Span);
+    let k = g.span_teeth.map(Measure::Span);
     let balls = g.ball_diameter_mm.map(|mm| Measure::Balls(mm * MM));
-    let (w, over) = (g.span_measurement_mm, g.dimension_over_balls_mm);
-    let s_n = g.normal_tooth_thickness_mm;
-    let whole = s_n.map(|_| Measure::Thickness);
+    let measures = [
+        (
+            "normal_tooth_thickness_mm",
+            g.normal_tooth_thickness_mm,
+            "",
+            Some(Measure::Thickness),
+        ),
+        (
+            "span_measurement_mm",
+            g.span_measurement_mm,
+            "span_teeth",
+            k,
+        ),
+        (
+            "dimension_over_balls_mm",
+            g.dimension_over_balls_mm,
+            "ball_diameter_mm",
+            balls,
+        ),
+    ];
     let mut all = Vec::new();
-    for (field, value, gauge, measure) in [
-        ("normal_tooth_thickness_mm", s_n, "", whole),
-        ("span_measurement_mm", w, "span_teeth", span),
-        ("dimension_over_balls_mm", over, "ball_diameter_mm", balls),
-    ] {
+    for (field, value, gauge, measure) in measures {
         let (name, alone, other) = match (value, measure) {
             (Some(value), Some(measure)) => {
                 let is_possible = !matches!(measure, Measure::Span(_)) || has_span(gear);
                 ensure!(is_possible, in_gear(i, field) => value;
                     "no span can be measured on the helical teeth of a ring"; "give `dimension_over_balls_mm`");
-                all.push(Given {
-                    measure,
-                    field,
-                    value,
-                });
+                all.push((measure, field, value));
                 continue;
             }
             (Some(value), None) => (field, value.to_string(), gauge),
@@ -253,8 +259,8 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
     let thicknesses = thicknesses(&given, &g, i)?;
     let mut shift = given_shift(&given, g.kappa(), i)?;
     let mut thinning = None;
-    if let Some(first) = thicknesses.first() {
-        let (measure, path, value) = (first.measure, in_gear(i, first.field), first.value);
+    if let Some(&(measure, first, value)) = thicknesses.first() {
+        let path = in_gear(i, first);
         let s = measure.thickness(&g, value.middle() * MM);
         let right = |g: &Gear| measure.of(g).unwrap_or(f64::NAN) / MM;
         let generating = generating_profile_shift(&g, s);
@@ -288,11 +294,11 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
             thinner.max(0.0) * g.transverse_pressure_angle().cos() / g.helix_angle.cos();
         thinning = Some(g.tooth_thinning);
         shift = Some(g.profile_shift);
-        for other in &thicknesses {
-            let right = other.measure.of(&g).unwrap_or(f64::NAN);
-            let most = 2.0 * ROUNDING + other.value.slack() * MM;
-            ensure!((right - other.value.middle() * MM).abs() <= most, in_gear(i, other.field) => other.value;
-                "does not fit `{}` = {value}", first.field; "give {:.4}", right / MM);
+        for (measure, field, other) in &thicknesses {
+            let right = measure.of(&g).unwrap_or(f64::NAN);
+            let most = 2.0 * ROUNDING + other.slack() * MM;
+            ensure!((right - other.middle() * MM).abs() <= most, in_gear(i, field) => other;
+                "does not fit `{first}` = {value}"; "give {:.4}", right / MM);
         }
     }
     g.profile_shift = shift.unwrap_or(0.0);
@@ -307,10 +313,8 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
     let built = gear(file, i);
     let (root, tip) = (built.root_radius(), built.tip_radius);
     let [low, high] = [root.min(tip), root.max(tip)].map(|radius| 2.0 * radius / MM);
-    for other in thicknesses {
-        let (field, value) = (other.field, other.value);
-        let touching = other.measure.contact_radius(&g, value.middle() * MM);
-        if let Some(radius) = touching {
+    for (measure, field, value) in thicknesses {
+        if let Some(radius) = measure.contact_radius(&g, value.middle() * MM) {
             let touches = 2.0 * radius / MM;
             ensure!((low..=high).contains(&touches), in_gear(i, field) => value;
                 "its gauge touches at diameter {touches:.3} mm, and the teeth reach from {low:.3} to {high:.3} mm";

@@ -1,6 +1,6 @@
 //! The pair file as it is written: JSON, the unit in every name.
 //!
-//! These types say which fields there are and what is optional; [`super::Pair`] is the checked result in SI.
+//! These types say which fields there are, what is optional and what stands in for it; docs/pair-file.md says what they mean.
 
 use gearmesh::gear::ReliefShape;
 use gearmesh::pair::Refinement;
@@ -67,36 +67,27 @@ impl std::fmt::Display for Dimension {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
-    /// Name of the pair, used for files and titles.
     pub name: String,
-    /// Where the numbers come from; free text.
     pub source: Option<String>,
     pub meshing: Meshing,
     pub normal_module_mm: f64,
-    /// Normal pressure angle of the basic rack, degrees.
     pub normal_pressure_angle_deg: f64,
-    /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed. Default: that of `lead_mm`, else 0.
+    /// > 0: gear 1 right-handed. Default: that of `lead_mm`, else 0.
     pub helix_angle_deg: Option<f64>,
-    /// Default: the centre distance without backlash that follows from the profile shifts.
+    /// Default: without backlash.
     pub center_distance_mm: Option<f64>,
-    /// Circumferential backlash at the operating pitch circle and nominal centre distance, both gears
-    /// together. Default: what centre distance and profile shifts leave.
+    /// Circumferential, at the operating pitch circle. Default: what centre distance and profile shifts leave.
     pub backlash_um: Option<f64>,
-    /// Backlash normal to the flanks j_bn in place of `backlash_um`.
+    /// j_bn, in place of `backlash_um`.
     pub normal_backlash_um: Option<Dimension>,
-    /// z of gear 2's z = 0 face minus gear 1's. Default 0.
     pub face_offset_mm: Option<f64>,
     pub gear1: GearFile,
     pub gear2: GearFile,
-    /// Loads and deviations to be covered.
     pub operating: OperatingFile,
-    /// Elastic model. Default: normal refinement.
     #[serde(default)]
     pub compliance: ComplianceFile,
-    /// Whether contact of tip corners outside the path of contact is counted. Default true.
     #[serde(default = "yes")]
     pub tip_corner_contact: bool,
-    /// Coefficient of friction. Default: the constant 0.05.
     pub friction: Option<FrictionFile>,
 }
 
@@ -132,23 +123,20 @@ macro_rules! with_modifications {
             $($own)*
             pub tip_relief: Option<ReliefFile>,
             pub root_relief: Option<ReliefFile>,
-            /// Profile crowning: removal at both ends of the active profile. Default 0.
             pub profile_crowning_um: Option<f64>,
-            /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
+            /// Removal at the tip minus that at the start of the active profile, -C_Ha.
             pub profile_slope_um: Option<f64>,
-            /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
+            /// Profile slope at z = face width minus that at z = 0.
             pub bias_um: Option<f64>,
-            /// Lead crowning: removal at both ends of the face. Default 0.
             pub lead_crowning_um: Option<f64>,
-            /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
+            /// Removal at z = face width minus that at z = 0.
             pub lead_slope_um: Option<f64>,
-            /// End relief at both ends. Default none.
             pub end_relief: Option<EndReliefFile>,
-            /// End relief at z = 0 instead of `end_relief`.
+            /// At z = 0 instead of `end_relief`.
             pub lower_end_relief: Option<EndReliefFile>,
-            /// End relief at z = face width instead of `end_relief`.
+            /// At z = face width instead of `end_relief`.
             pub upper_end_relief: Option<EndReliefFile>,
-            /// CSV file of a measured or designed flank, in addition to all others. Default none.
+            /// CSV file of a measured or designed flank, in addition to all others.
             pub topography_file: Option<String>,
         }
     };
@@ -157,69 +145,60 @@ macro_rules! with_modifications {
 with_modifications! {
     /// One gear of the file.
     pub struct GearFile {
-        /// Number of teeth, positive for a ring, too.
+        /// Positive for a ring, too.
         pub teeth: u32,
-        /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default: what the quantities of the
-        /// drawing say, else 0.
+        /// > 0 thickens teeth, widens the spaces of a ring. Default: what the quantities of the drawing say, else 0.
         pub profile_shift: Option<f64>,
-        /// Profile shift coefficient in the sign of ISO 21771 in its place: > 0 thickens the teeth of a ring, too.
+        /// In its place: > 0 thickens the teeth of a ring, too.
         pub profile_shift_iso_21771: Option<f64>,
-        /// Normal tooth thickness s_n on the reference circle.
+        /// s_n on the reference circle.
         pub normal_tooth_thickness_mm: Option<Dimension>,
-        /// Span W_k over `span_teeth` teeth (ring: spaces).
+        /// W_k over `span_teeth` teeth (ring: spaces).
         pub span_measurement_mm: Option<Dimension>,
         pub span_teeth: Option<u32>,
-        /// Dimension over balls (ring: between balls) M_dK.
+        /// M_dK (ring: between balls).
         pub dimension_over_balls_mm: Option<Dimension>,
         pub ball_diameter_mm: Option<f64>,
-        /// Root diameter d_f, in place of the dedendum.
+        /// In place of the dedendum.
         pub root_diameter_mm: Option<Dimension>,
-        /// Lead p_z, > 0 right-handed, in place of the helix angle.
+        /// > 0 right-handed, in place of the helix angle.
         pub lead_mm: Option<f64>,
         pub face_width_mm: f64,
-        /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
+        /// Default: from `addendum_coefficient`.
         pub tip_diameter_mm: Option<f64>,
-        /// Diameter at which chamfer or rounding of the tips begins and the involute ends, d_Fa. Default: the tip
-        /// diameter.
+        /// d_Fa. Default: the tip diameter.
         pub tip_form_diameter_mm: Option<f64>,
-        /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
+        /// Default 1.0; only without `tip_diameter_mm`.
         pub addendum_coefficient: Option<f64>,
-        /// Dedendum of the basic rack over the normal module. Default: that of `root_diameter_mm`, else 1.25.
+        /// Default: that of `root_diameter_mm`, else 1.25.
         pub dedendum_coefficient: Option<f64>,
-        /// Tip radius of the tool (ring: radius of the fillet) over the normal module. Default 0.38.
+        /// Ring: radius of the fillet.
         #[serde(default = "default_tool_tip_radius")]
         pub tool_tip_radius_coefficient: f64,
-        /// Bore, held rigidly; external gears only. Default: half of the root diameter.
+        /// External gears. Default: half of the root diameter.
         pub bore_diameter_mm: Option<f64>,
-        /// Outer diameter, held rigidly; makes this gear the ring of an internal pair. Default for gear 2
-        /// of an internal pair: root diameter + 7 normal modules, a rim of 3.5 modules.
+        /// Makes this gear the ring of an internal pair. Default for gear 2 of one: a rim of 3.5 modules.
         pub rim_diameter_mm: Option<f64>,
-        /// Radial thickness of the rim below the root circle; external gears, with `web_thickness_mm`. Default: a full
-        /// disc.
+        /// External gears, with `web_thickness_mm`. Default: a full disc.
         pub rim_thickness_mm: Option<f64>,
         pub web_thickness_mm: Option<f64>,
-        /// z of the middle of the web less mid-face. Default 0.
+        /// Middle of the web less mid-face.
         pub web_offset_mm: Option<f64>,
-        /// Outer diameter of the hub. Default: no hub, the web reaches the bore.
+        /// Default: no hub, the web reaches the bore.
         pub hub_diameter_mm: Option<f64>,
-        /// Axial length of the hub. Default: the face width.
+        /// Default: the face width.
         pub hub_width_mm: Option<f64>,
-        /// z of the middle of the hub less mid-face. Default 0.
         pub hub_offset_mm: Option<f64>,
-        /// The shaft that the teeth are cut from, in place of rim, web and hub; external gears. `bore_diameter_mm` is then its
-        /// bore, free; default: solid.
+        /// In place of rim, web and hub; external gears. `bore_diameter_mm` is then its bore, free; default: solid.
         pub shaft: Option<ShaftFile>,
-        /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
+        /// Default: rigid.
         pub rim_foundation_n_per_mm3: Option<f64>,
         #[serde(default = "default_youngs_modulus")]
         pub youngs_modulus_gpa: f64,
         #[serde(default = "default_poisson_ratio")]
         pub poisson_ratio: f64,
-        /// Modifications of the drive flank instead of those of the gear.
         pub drive_flank: Option<FlankFile>,
-        /// Modifications of the coast flank instead of those of the gear.
         pub coast_flank: Option<FlankFile>,
-        /// Teeth that differ from each other. Default: all are alike.
         pub tooth_errors: Option<ToothErrorsFile>,
     }
 }
@@ -230,28 +209,34 @@ with_modifications! {
     pub struct FlankFile {}
 }
 
+impl FlankFile {
+    /// The end reliefs that are given, by field.
+    pub fn end_reliefs(&self) -> impl Iterator<Item = (&'static str, &EndReliefFile)> {
+        let all = [
+            ("end_relief", &self.end_relief),
+            ("lower_end_relief", &self.lower_end_relief),
+            ("upper_end_relief", &self.upper_end_relief),
+        ];
+        (all.into_iter()).filter_map(|(field, relief)| Some((field, relief.as_ref()?)))
+    }
+}
+
 impl GearFile {
-    /// Its modifications, those of both flanks.
-    pub fn modifications(&self) -> FlankFile {
+    /// Modifications of both flanks and of each, with the start of the path of their fields.
+    pub fn flanks(&self) -> [(&'static str, FlankFile); 3] {
         macro_rules! copied {
             ($($field:ident)*) => { FlankFile { $($field: self.$field.clone(),)* } };
         }
-        copied! {
+        let both = copied! {
             tip_relief root_relief profile_crowning_um profile_slope_um bias_um lead_crowning_um lead_slope_um
             end_relief lower_end_relief upper_end_relief topography_file
-        }
-    }
-
-    /// Every place at which modifications stand, with the start of the path of its fields.
-    pub fn flanks(&self) -> Vec<(&'static str, FlankFile)> {
-        let mut all = vec![("", self.modifications())];
-        for (prefix, flank) in [
-            ("drive_flank.", &self.drive_flank),
-            ("coast_flank.", &self.coast_flank),
-        ] {
-            all.extend(flank.clone().map(|flank| (prefix, flank)));
-        }
-        all
+        };
+        let own = |flank: &Option<FlankFile>| flank.clone().unwrap_or_default();
+        [
+            ("", both),
+            ("drive_flank.", own(&self.drive_flank)),
+            ("coast_flank.", own(&self.coast_flank)),
+        ]
     }
 }
 
@@ -268,9 +253,8 @@ pub struct ShaftFile {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShaftPieceFile {
-    /// Diameter, below the root diameter.
     pub diameter_mm: f64,
-    /// Length from the face.
+    /// From the face.
     pub length_mm: f64,
 }
 
@@ -287,7 +271,6 @@ pub enum HeldEnds {
 pub struct ReliefFile {
     /// Removal at the tip (root relief: at the start of the active profile).
     pub amount_um: f64,
-    /// Where it starts. Default `pitch_point`.
     #[serde(default)]
     pub start: ReliefStart,
     #[serde(default)]
@@ -311,9 +294,7 @@ pub enum ReliefStart {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndReliefFile {
-    /// Removal at the end of the face.
     pub amount_um: f64,
-    /// Reach into the face from that end.
     pub length_mm: f64,
     #[serde(default)]
     pub shape: ReliefShape,
@@ -324,11 +305,8 @@ pub struct EndReliefFile {
 #[serde(deny_unknown_fields)]
 pub struct OperatingFile {
     pub nominal_torque_nm: f64,
-    /// Highest torque on gear 1 that tables cover.
     pub maximum_torque_nm: f64,
-    /// Lowest and highest deviation from the nominal centre distance.
     pub center_distance_offset_um: [f64; 2],
-    /// Lowest and highest misalignment in the plane of action.
     pub misalignment_mrad: [f64; 2],
 }
 
@@ -343,16 +321,14 @@ pub struct ComplianceFile {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionFile {
-    /// How the coefficient follows from load and speed. Default `constant`.
     #[serde(default)]
     pub law: FrictionLawFile,
-    /// `constant`: the coefficient. Default 0.05.
+    /// Of the law `constant`. Default 0.05.
     pub coefficient: Option<f64>,
-    /// Dynamic viscosity at the oil's temperature; required by `schlenk` and `xu_kahraman`.
+    /// Required by the others, as is `roughness_ra_um`.
     pub dynamic_viscosity_mpa_s: Option<f64>,
-    /// `schlenk`: X_L of a gear oil: a mineral one 0.846, PAO and ester 0.65, polyglycol 0.585. Default 0.846.
+    /// X_L of `schlenk`. Default: mineral oil.
     pub lubricant_factor: Option<f64>,
-    /// Arithmetic mean roughness Ra of gear 1 and gear 2; required by `schlenk` and `xu_kahraman`.
     pub roughness_ra_um: Option<[f64; 2]>,
 }
 
@@ -371,14 +347,11 @@ pub enum FrictionLawFile {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToothErrorsFile {
-    /// Index errors of the drive flanks. Default none.
     pub drive_flank: Option<IndexFile>,
-    /// Index errors of the coast flanks. Default none.
     pub coast_flank: Option<IndexFile>,
-    /// Radial run-out F_r, of both flanks. Default 0.
     #[serde(default)]
     pub runout_um: f64,
-    /// Where the teeth stand out most, from tooth 0 in +theta. Default 0.
+    /// Where the teeth stand out most, from tooth 0 in +theta.
     #[serde(default)]
     pub runout_angle_deg: f64,
     #[serde(default)]
@@ -389,11 +362,9 @@ pub struct ToothErrorsFile {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndexFile {
-    /// Cumulative pitch deviation of every tooth.
     pub cumulative_pitch_um: Option<Vec<f64>>,
     /// Flank tolerance class of ISO 1328-1 that random errors use up.
     pub pitch_class: Option<u8>,
-    /// Which random errors. Default 0.
     #[serde(default)]
     pub seed: u32,
 }
@@ -403,12 +374,11 @@ pub struct IndexFile {
 pub struct ToothFile {
     /// Its number, from 0 in +theta.
     pub tooth: u32,
-    /// Compliance under its own load over that of the others. Default 1.
+    /// Under its own load, over that of the others.
     #[serde(default = "one")]
     pub compliance_factor: f64,
-    /// CSV file of its flank, instead of that of the gear. Default: that of the gear.
+    /// Instead of that of the gear.
     pub topography_file: Option<String>,
-    /// The flank with that file. Default both.
     #[serde(default)]
     pub flank: ToothFlank,
 }

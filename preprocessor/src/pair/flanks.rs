@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Arc;
 
 use super::checks::{STEEPEST, about, in_gear, remedy};
 use super::error::{Refusal, ensure, refusal};
@@ -38,26 +37,25 @@ impl Flanks<'_> {
         [start, self.gear().tip_form_roll()]
     }
 
+    /// The same, ascending.
+    fn active_range(&self) -> [f64; 2] {
+        let [start, end] = self.active();
+        [start.min(end), start.max(end)]
+    }
+
     /// Modifications of `flank`, field by field: what it has of its own, else what the gear has for both.
     pub fn microgeometry(&self, flank: Flank) -> Result<Microgeometry, Refusal> {
-        let given = self.file.gear(self.i);
-        let (name, own) = match flank {
-            Flank::Drive => ("drive_flank.", &given.drive_flank),
-            Flank::Coast => ("coast_flank.", &given.coast_flank),
-        };
-        let (own, both) = (own.clone().unwrap_or_default(), given.modifications());
-        let path = |is_own: bool, field: &str| {
-            in_gear(
-                self.i,
-                &format!("{}{field}", if is_own { name } else { "" }),
-            )
-        };
+        let [(_, both), drive, coast] = self.file.gear(self.i).flanks();
+        let (name, own) = if flank == Flank::Drive { drive } else { coast };
+        let path = |prefix: &str, field: &str| in_gear(self.i, prefix) + field;
         let rolls = self.active();
-        let relief = |field: fn(&FlankFile) -> &Option<ReliefFile>, name: &str, end: f64| {
-            let [own, both] = [&own, &both].map(|f| field(f).as_ref());
-            let relief = own.or(both);
-            let relief = relief.map(|r| self.relief(r, &path(own.is_some(), name), end));
-            relief.transpose().map(Option::flatten)
+        let relief = |field: fn(&FlankFile) -> &Option<ReliefFile>, of: &str, end: f64| match (
+            field(&own),
+            field(&both),
+        ) {
+            (Some(r), _) => self.relief(r, &path(name, of), end),
+            (None, Some(r)) => self.relief(r, &path("", of), end),
+            (None, None) => Ok(None),
         };
         let um =
             |field: fn(&FlankFile) -> Option<f64>| field(&own).or(field(&both)).unwrap_or(0.0) * UM;
@@ -70,28 +68,30 @@ impl Flanks<'_> {
                 shape: relief.shape,
             })
         };
-        let (amount, bias) = (um(|f| f.profile_slope_um), um(|f| f.bias_um));
         let slope = ProfileSlope {
-            amount,
-            bias,
+            amount: um(|f| f.profile_slope_um),
+            bias: um(|f| f.bias_um),
             rolls,
         };
         let crowning = ProfileCrowning {
             amount: um(|f| f.profile_crowning_um),
             rolls,
         };
-        let [own_file, file] = [&own, &both].map(|f| f.topography_file.as_ref());
-        let field = path(own_file.is_some(), "topography_file");
-        let topography = own_file.or(file).map(|name| self.topography(name, &field));
+        let file = "topography_file";
+        let topography = match (&own.topography_file, &both.topography_file) {
+            (Some(csv), _) => Some(self.topography(csv, &path(name, file))?),
+            (None, Some(csv)) => Some(self.topography(csv, &path("", file))?),
+            (None, None) => None,
+        };
         Ok(Microgeometry {
             tip_relief: relief(|f| &f.tip_relief, "tip_relief", rolls[1])?,
             root_relief: relief(|f| &f.root_relief, "root_relief", rolls[0])?,
             profile_crowning: (crowning.amount != 0.0).then_some(crowning),
-            profile_slope: (amount != 0.0 || bias != 0.0).then_some(slope),
+            profile_slope: (slope.amount != 0.0 || slope.bias != 0.0).then_some(slope),
             lead_crowning: um(|f| f.lead_crowning_um),
             lead_slope: um(|f| f.lead_slope_um),
             end_relief: [end(|f| &f.lower_end_relief), end(|f| &f.upper_end_relief)],
-            topography: topography.transpose()?,
+            topography,
         })
     }
 
@@ -116,8 +116,7 @@ impl Flanks<'_> {
             "" => "pitch_point".to_owned(),
             _ => format!("{{\"{form}\": {value}}}"),
         };
-        let active = self.active();
-        let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
+        let [low, high] = self.active_range();
         let diameter = |roll: f64| 2.0 * gear.radius_at_roll(roll) / MM;
         let is_within = start_roll > low && start_roll < high;
         if !is_within {
@@ -151,21 +150,17 @@ impl Flanks<'_> {
 
     /// The topography in the file `name`, which the field `field` names: CSV with the columns `roll_mm` (or `diameter_mm`),
     /// `z_mm` and `removal_um`, one row for every point of a full grid, in any order.
-    pub fn topography(&self, name: &str, field: &str) -> Result<Arc<Topography>, Refusal> {
-        let (path, gear, active) = (self.folder.join(name), self.gear(), self.active());
+    pub fn topography(&self, name: &str, field: &str) -> Result<Topography, Refusal> {
+        let (path, gear, active) = (self.folder.join(name), self.gear(), self.active_range());
         let shown = path.display().to_string();
         let text = text::read(&path).map_err(|error| {
             refusal!(field => &shown;
                 "cannot be read: {error}"; "give a CSV file beside the pair file, and that you may read")
         })?;
         let grid = grid(&text, gear)
-            .map_err(|(problem, remedy)| refusal!(field => &shown; "{problem}"; "{remedy}"))?;
-        let [rolls, zs] = grid.range();
-        let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
-        for (name, range, flank) in [
-            ("roll_mm", rolls, [low, high]),
-            ("z_mm", zs, [0.0, gear.face_width]),
-        ] {
+            .map_err(|problem| refusal!(field => &shown; "{problem}"; "{GRID}"))?;
+        let ([rolls, zs], face) = (grid.range(), [0.0, gear.face_width]);
+        for (name, range, flank) in [("roll_mm", rolls, active), ("z_mm", zs, face)] {
             let covered = range[1].min(flank[1]) - range[0].max(flank[0]);
             let mm = |m: f64| rounded((m * 1e6).round() * 1e-3);
             let ([first, last], [from, to]) = (range.map(mm), flank.map(mm));
@@ -178,59 +173,43 @@ impl Flanks<'_> {
         let limit = format!("more than a twentieth of the normal module, {um} um");
         ensure!(grid.largest_removal() <= 1.5 * most, field => &shown;
             "takes off {limit}"; "give removal_um normal to the flank in micrometres");
-        let [least, largest] = grid.extremes([low, high], [0.0, gear.face_width]);
+        let [least, largest] = grid.extremes(active, face);
         let is_least = least[2].abs() > largest[2].abs();
         let [roll, z, removal] = if is_least { least } else { largest };
-        let is_within = rolls[0] <= roll && roll <= rolls[1] && zs[0] <= z && z <= zs[1];
         let verb = if removal < 0.0 { "adds" } else { "takes off" };
-        let (cause, remedy) = match is_within {
-            true => (
-                "its bicubic does, where two lines lie close or values jump",
-                "give lines at about equal distances, and smooth values that jump from one to the next",
-            ),
-            false => (
-                "its tangents do, beyond the grid",
-                "give a grid that covers the whole active profile and the whole face, at about equal distances",
-            ),
-        };
         ensure!(removal.abs() <= 1.5 * most, field => &shown;
-            "{verb} {:.4e} um at roll_mm = {:.3}, z_mm = {:.3}, {limit}: {cause}",
-            removal.abs() / UM, roll / MM, z / MM; "{remedy}");
-        Ok(Arc::new(grid))
+            "{verb} {:.4e} um at roll_mm = {:.3}, z_mm = {:.3}, {limit}", removal.abs() / UM, roll / MM, z / MM;
+            "give lines at about equal distances, a grid that covers the whole active profile and the whole face, and smooth \
+             values that jump from one line to the next");
+        Ok(grid)
     }
 }
 
 /// Share of the active profile or of the face that may lie beyond the grid, where its tangents go on.
 const BEYOND: f64 = 0.25;
 
-const COLUMNS: &str = "the columns are roll_mm (or diameter_mm), z_mm and removal_um";
+/// What a topography is to be.
+const GRID: &str = "give CSV with a header and commas between its columns, roll_mm (or diameter_mm), z_mm and removal_um, numbers \
+    with a decimal point, and one row for every point of a full grid of at least 3 x 3 points on involute and face";
 
-/// The grid in `text`; if it is none, the problem and the remedy.
-fn grid(text: &str, gear: &Gear) -> Result<Topography, (String, String)> {
+/// The grid in `text`, or what is wrong with it.
+fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
     // The reader counts a line only at its \n, after the place of the next one.
     let text = text.replace("\r\n", "\n");
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-    let broken = |error: csv::Error| (error.to_string(), format!("give CSV; {COLUMNS}"));
+    let broken = |error: csv::Error| error.to_string();
     let header = reader.headers().map_err(broken)?.clone();
     let column = |name: &str| header.iter().position(|h| h == name);
-    let roll = column("roll_mm");
-    let along = roll.or(column("diameter_mm"));
-    let (Some(along), Some(z), Some(removal)) = (along, column("z_mm"), column("removal_um"))
-    else {
+    let (roll, diameter) = (column("roll_mm"), column("diameter_mm"));
+    let columns = (roll.or(diameter), column("z_mm"), column("removal_um"));
+    let (Some(along), Some(z), Some(removal)) = columns else {
         let found = header.iter().collect::<Vec<_>>().join(",");
-        let semicolons = "has semicolons between its columns".into();
         return Err(match found.contains(';') {
-            true => (
-                semicolons,
-                format!("write commas there, and points in the numbers; {COLUMNS}"),
-            ),
-            false => (
-                format!("has the columns {found}"),
-                format!("give a header; {COLUMNS}"),
-            ),
+            true => "has semicolons between its columns".into(),
+            false => format!("has the columns {found}"),
         });
     };
     // Sorted by the bits of numbers that are not negative.
@@ -238,49 +217,35 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, (String, String)> {
     for record in reader.records() {
         let record = record.map_err(broken)?;
         let line = record.position().map_or(0, csv::Position::line);
-        let refused =
-            |problem: &str, remedy: &str| (format!("line {line}: {problem}"), remedy.to_owned());
         let number = |column: usize| {
-            let cell = record.get(column).unwrap_or("");
+            let (name, cell) = (&header[column], record.get(column).unwrap_or(""));
             let value = cell.parse::<f64>().ok().filter(|v| v.is_finite());
-            let problem = format!("{} = {cell}: not a finite number", &header[column]);
-            value.ok_or_else(|| refused(&problem, "give numbers with a decimal point"))
+            value.ok_or_else(|| format!("line {line}: {name} = {cell}: not a finite number"))
         };
         let (along, z, removal) = (number(along)? * MM, number(z)? * MM, number(removal)? * UM);
-        let roll = match roll {
-            Some(_) => along,
-            None => gear.roll_length(0.5 * along),
-        };
+        let roll = roll.map_or_else(|| gear.roll_length(0.5 * along), |_| along);
         if !(roll >= 0.0 && z >= 0.0) {
-            return Err(refused(
-                "lies outside of involute and face",
-                "give lengths of roll or diameters of the involute, and z from the z = 0 face",
-            ));
+            return Err(format!("line {line}: lies outside of involute and face"));
         }
         let point = [roll + 0.0, z + 0.0].map(f64::to_bits);
         if rows.insert(point, removal).is_some() {
-            let problem = "its point stands in an earlier line, too";
-            return Err(refused(problem, "leave one of them out"));
+            return Err(format!(
+                "line {line}: its point stands in an earlier line, too"
+            ));
         }
-    }
-    if rows.is_empty() {
-        let remedy = format!("give at least 3 x 3 points; {COLUMNS}");
-        return Err(("has a header and no points".into(), remedy));
     }
     let [rolls, zs] = [0, 1].map(|k| {
         let values: BTreeSet<u64> = rows.keys().map(|key| key[k]).collect();
         values.into_iter().map(f64::from_bits).collect::<Vec<_>>()
     });
     let (points, lines) = (rows.len(), [rolls.len(), zs.len()]);
-    if points != lines[0] * lines[1] {
-        let problem = format!("has {points} points, and {} x {} lines", lines[0], lines[1]);
-        return Err((
-            problem,
-            "give one row for every point of a full grid".into(),
+    if points == 0 || points != lines[0] * lines[1] {
+        return Err(format!(
+            "has {points} points, and {} x {} lines",
+            lines[0], lines[1]
         ));
     }
     let removal: Vec<f64> = rows.into_values().collect();
     let removal = removal.chunks(lines[1]).map(<[f64]>::to_vec).collect();
-    let few = "give at least 3 x 3 points";
-    Topography::new(rolls, zs, removal).map_err(|error| (error.to_string(), few.into()))
+    Topography::new(rolls, zs, removal).map_err(|error| error.to_string())
 }

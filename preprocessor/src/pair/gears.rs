@@ -1,6 +1,6 @@
 //! A gear of the file on its own: teeth as its fields have them, rim, web and hub, and what a ring rests on.
 
-use super::checks::{Range::Within, check, in_gear};
+use super::checks::{ABOVE_0, check, in_gear};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
 use gearmesh::gear::{Body, Gear, GearKind, Stub};
@@ -65,8 +65,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         ("hub_width_mm", g.hub_width_mm),
         ("hub_offset_mm", g.hub_offset_mm),
     ];
-    let mut parts = parts.into_iter();
-    let first = parts.find_map(|(name, value)| Some((in_gear(i, name), value?)));
+    let first = (parts.into_iter()).find_map(|(name, value)| Some((in_gear(i, name), value?)));
     let name = "rim_foundation_n_per_mm3";
     if gear.kind == GearKind::Ring {
         ensure!(g.shaft.is_none(), in_gear(i, "shaft") => "a shaft"; "the gear is a ring"; "leave it out");
@@ -76,11 +75,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
                 "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`"));
         }
         // From rubber to steel a hundredth of a millimetre thick.
-        check(
-            &in_gear(i, name),
-            g.rim_foundation_n_per_mm3,
-            Within(1e-3, 1e8),
-        )?;
+        check(&in_gear(i, name), g.rim_foundation_n_per_mm3, [1e-3, 1e8])?;
         // N/mm³ = 1e9 N/m³.
         gear.foundation = g.rim_foundation_n_per_mm3.map(|stiffness| 1e9 * stiffness);
         return Ok(());
@@ -106,7 +101,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
     Ok(())
 }
 
-/// Least rim below the root circle, normal modules: less is no ring that teeth stand on.
+/// Least rim below the root circle, and between it and a shaft, normal modules: less is no ring that teeth stand on.
 const LEAST_RIM: f64 = 0.5;
 /// Least radial length of a web and wall of a hub, and least thickness of a web, normal modules.
 const LEAST_PART: f64 = 0.1;
@@ -118,13 +113,10 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
     let (module, width) = (gear.normal_module / MM, gear.face_width / MM);
     let (root, bore) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
     let [least_rim, least, longest] =
-        [LEAST_RIM, LEAST_PART, LONGEST_HUB].map(|modules| rounded(modules * module));
-    ensure!(rim >= least_rim, in_gear(i, "rim_thickness_mm") => rim;
-        "is less than half a normal module, {least_rim} mm";
-        "give the radial thickness from the root circle to the inside of the rim");
-    ensure!(web >= least && web <= width, in_gear(i, "web_thickness_mm") => web;
-        "lies outside {least} mm (a tenth of the normal module) to the face width, {width} mm";
-        "give the axial thickness of the web");
+        [LEAST_RIM, LEAST_PART, LONGEST_HUB].map(|part| part * module);
+    let check = |name: &str, mm: f64, range| check(&in_gear(i, name), mm, range);
+    check("rim_thickness_mm", rim, [least_rim, 0.5 * root])?;
+    check("web_thickness_mm", web, [least, width])?;
     let offset = g.web_offset_mm.unwrap_or(0.0);
     let (face, middle) = (Extent([0.0, width]), 0.5 * width);
     let web = Extent::about(middle + offset, web);
@@ -132,44 +124,34 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
         "puts the web at {web}, beyond the face, {face}"; "give the middle of the web less mid-face");
     let web = Extent([web.0[0].max(0.0), web.0[1].min(width)]);
     let mut hub = web;
+    let inside = root - 2.0 * rim;
+    let (mut innermost, mut name, mut value, mut part) =
+        (bore, "rim_thickness_mm", rim, "the bore");
     let hub_width = g.hub_width_mm.map(|mm| ("hub_width_mm", mm));
     let hub_offset = g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm));
-    match g.hub_diameter_mm {
-        None => {
-            if let Some((name, value)) = hub_width.or(hub_offset) {
-                return Err(refusal!(in_gear(i, name) => value;
-                    "`hub_diameter_mm` is not given";
-                    "give it, or leave this out for a web that reaches down to the bore"));
-            }
-        }
-        Some(diameter) => {
-            ensure!(diameter >= bore + 2.0 * least, in_gear(i, "hub_diameter_mm") => diameter;
-                "leaves less than {least} mm (a tenth of the normal module) of wall around the bore of {bore:.3} mm";
-                "give the outer diameter of the hub, or leave it out for a web that reaches down to the bore");
-            let length = g.hub_width_mm.unwrap_or(width);
-            ensure!(length > 0.0 && length <= longest, in_gear(i, "hub_width_mm") => length;
-                "must be above 0 and at most a hundred normal modules, {longest} mm";
-                "give the axial length over which the hub sits on the shaft");
-            hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
-            let (name, value) = hub_offset.unwrap_or(("hub_width_mm", length));
-            ensure!(hub.encloses(web), in_gear(i, name) => value;
-                "the web, {web}, ends beyond the hub, {hub}"; "choose a hub that encloses the web");
-            hub = Extent([hub.0[0].min(web.0[0]), hub.0[1].max(web.0[1])]);
-        }
+    if let Some(diameter) = g.hub_diameter_mm {
+        check("hub_diameter_mm", diameter, [bore + 2.0 * least, root])?;
+        let length = g.hub_width_mm.unwrap_or(width);
+        check("hub_width_mm", length, [ABOVE_0, longest])?;
+        hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
+        let (field, offset) = hub_offset.unwrap_or(("hub_width_mm", length));
+        ensure!(hub.encloses(web), in_gear(i, field) => offset;
+            "the web, {web}, ends beyond the hub, {hub}"; "choose a hub that encloses the web");
+        hub = Extent([hub.0[0].min(web.0[0]), hub.0[1].max(web.0[1])]);
+        (innermost, name, value, part) = (diameter, "hub_diameter_mm", diameter, "the hub");
+    } else if let Some((name, value)) = hub_width.or(hub_offset) {
+        return Err(refusal!(in_gear(i, name) => value;
+            "`hub_diameter_mm` is not given"; "give it, or leave this out for a web that reaches down to the bore"));
     }
-    let inside = root - 2.0 * rim;
-    let (innermost, name, value, part) = match g.hub_diameter_mm {
-        Some(diameter) => (diameter, "hub_diameter_mm", diameter, "the hub"),
-        None => (bore, "rim_thickness_mm", rim, "the bore"),
-    };
     ensure!(inside >= innermost + 2.0 * least, in_gear(i, name) => value;
         "the inside of the rim has the diameter {inside:.3} mm and leaves no web outside of {part} of {innermost:.3} mm";
         "choose a thinner rim or a smaller hub or bore; for a full disc leave rim, web and hub out");
-    let hub_radius = g.hub_diameter_mm.map(|mm| 0.5 * mm * MM);
     Ok(Body {
         rim_radius: 0.5 * inside * MM,
         web: web.0.map(|z| z * MM),
-        hub_radius: hub_radius.unwrap_or(gear.held_radius),
+        hub_radius: g
+            .hub_diameter_mm
+            .map_or(gear.held_radius, |mm| 0.5 * mm * MM),
         hub: hub.0.map(|z| z * MM),
         held_ends: [false; 2],
     })
@@ -181,19 +163,23 @@ const BORE_OF_SOLID: f64 = 0.1;
 /// The shaft that the teeth of `gear` are cut from; sets its bore.
 fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<Body, Refusal> {
     let module = gear.normal_module / MM;
-    let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|modules| rounded(modules * module));
-    let thickest = 2.0 * gear.root_radius() / MM - 2.0 * rounded(LEAST_RIM * module);
+    let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|part| part * module);
+    let thickest = 2.0 * gear.root_radius() / MM - 2.0 * LEAST_RIM * module;
     let thinnest = g.bore_diameter_mm.unwrap_or(0.0) + 2.0 * wall;
     let pieces = [("lower", shaft.lower), ("upper", shaft.upper)];
     for (name, piece) in pieces {
         let Some(piece) = piece else { continue };
         let path = in_gear(i, &format!("shaft.{name}"));
-        ensure!((thinnest..=thickest).contains(&piece.diameter_mm), format!("{path}.diameter_mm") => piece.diameter_mm;
-            "lies outside {thinnest:.3} mm (the bore and a wall) to {thickest:.3} mm (half a normal module below the root circle)";
-            "give the diameter of the shaft beside the teeth; of a thicker one give the largest that is taken");
-        ensure!((wall..=longest).contains(&piece.length_mm), format!("{path}.length_mm") => piece.length_mm;
-            "lies outside {wall} to {longest} mm (a tenth to a hundred normal modules)";
-            "give the length from the face to where the shaft of the multibody model takes over");
+        check(
+            &format!("{path}.diameter_mm"),
+            piece.diameter_mm,
+            [thinnest, thickest],
+        )?;
+        check(
+            &format!("{path}.length_mm"),
+            piece.length_mm,
+            [wall, longest],
+        )?;
     }
     let held = match (shaft.held, shaft.lower, shaft.upper) {
         (Some(held), ..) => [held != HeldEnds::Upper, held != HeldEnds::Lower],

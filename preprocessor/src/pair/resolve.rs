@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::backlash::{odd_thickness, place, set_backlash};
 use super::checks::{
-    self, LEAST_HELIX, Range::Within, about, check_fields, in_gear, limits, meant, remedy,
-    suspicious,
+    self, LEAST_HELIX, about, check_fields, in_gear, limits, meant, remedy, suspicious,
 };
 use super::drawing::settle;
 use super::error::{Refusal, ensure, refusal};
@@ -80,12 +79,8 @@ fn resolve_checked(
         coast: modified(Flank::Coast)?,
     };
     let errors = |flank| {
-        let nominal = microgeometry.flank(flank);
-        let [a, b] = [(a, &nominal[0]), (b, &nominal[1])];
-        Ok([
-            tooth_errors(a.0, flank, a.1)?,
-            tooth_errors(b.0, flank, b.1)?,
-        ])
+        let [m1, m2] = microgeometry.flank(flank);
+        Ok([tooth_errors(a, flank, m1)?, tooth_errors(b, flank, m2)?])
     };
     let teeth = PairTeeth {
         drive: errors(Flank::Drive)?,
@@ -136,10 +131,11 @@ fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<Option<Stri
     let per_load = |width: f64| gear.base_radius() * width * gear.normal_module;
     let o = &file.operating;
     let (nominal, maximum) = (o.nominal_torque_nm, o.maximum_torque_nm);
-    for (name, torque) in [
+    let torques = [
         ("nominal_torque_nm", nominal),
         ("maximum_torque_nm", maximum),
-    ] {
+    ];
+    for (name, torque) in torques {
         let load = torque / per_load(shared);
         // Whole faces would carry it, or so little is no face.
         let whole = torque / per_load(gear.face_width.min(mate.face_width));
@@ -179,13 +175,12 @@ fn shorten_default_ring(
     file: &PairFile,
     geometry: &mut PairGeometry,
 ) -> Result<Option<String>, Refusal> {
-    let Some(ring) = geometry.ring() else {
+    let is_default = |i: &usize| {
+        file.gear(*i).tip_diameter_mm.is_none() && file.gear(*i).addendum_coefficient.is_none()
+    };
+    let Some(ring) = geometry.ring().filter(is_default) else {
         return Ok(None);
     };
-    let given = file.gear(ring);
-    if given.tip_diameter_mm.is_some() || given.addendum_coefficient.is_some() {
-        return Ok(None);
-    }
     let pinion = 1 - ring;
     let form = check_gear(file, &geometry.gears[pinion], pinion)?.form_roll();
     let start = form + 0.02 * geometry.gears[pinion].normal_module;
@@ -205,7 +200,7 @@ fn shorten_default_ring(
     if shortened.tip_radius == standard {
         return Ok(None);
     }
-    if let Some(mm) = given.tip_form_diameter_mm {
+    if let Some(mm) = file.gear(ring).tip_form_diameter_mm {
         shortened.tip_chamfer = 0.5 * mm * MM - shortened.tip_radius;
     }
     Ok(Some(format!(
@@ -226,15 +221,16 @@ fn check_faces(file: &PairFile, geometry: &PairGeometry) -> Result<Vec<String>, 
     ensure!(shared > 0.0, "face_offset_mm" => offset;
         "the faces, {b1} mm and {b2} mm wide, do not overlap";
         "give gear 2's z = 0 face minus gear 1's, so that the faces share a part");
-    let flush = (b1 != b2 && file.face_offset_mm.is_none()).then(|| {
+    let mut notes = Vec::new();
+    if b1 != b2 && file.face_offset_mm.is_none() {
         let middle = rounded(0.5 * (b1 - b2));
-        format!("the faces, {b1} and {b2} mm wide, are flush at z = 0; `face_offset_mm` = {middle} lets them share their middle")
-    });
-    let apart = (shared < 0.5 * b1.min(b2)).then(|| {
+        notes.push(format!("the faces, {b1} and {b2} mm wide, are flush at z = 0; `face_offset_mm` = {middle} lets them share their middle"));
+    }
+    if shared < 0.5 * b1.min(b2) {
         let shared = rounded(shared);
-        format!("`face_offset_mm` = {offset} leaves only {shared} mm of the faces in mesh, {b1} and {b2} mm wide")
-    });
-    Ok(flush.into_iter().chain(apart).collect())
+        notes.push(format!("`face_offset_mm` = {offset} leaves only {shared} mm of the faces in mesh, {b1} and {b2} mm wide"));
+    }
+    Ok(notes)
 }
 
 /// X_L of a mineral gear oil: see [`FrictionLaw::Schlenk`].
@@ -246,12 +242,12 @@ pub(super) fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refus
         return Ok(FrictionLaw::default());
     };
     limits! { "friction.", file;
-        coefficient: Within(0.0, 1.0);
-        dynamic_viscosity_mpa_s: Within(1.01, 1e5);
-        lubricant_factor: Within(0.1, 2.0);
+        coefficient: [0.0, 1.0];
+        dynamic_viscosity_mpa_s: [1.01, 1e5];
+        lubricant_factor: [0.1, 2.0];
     }
     for ra in file.roughness_ra_um.into_iter().flatten() {
-        checks::check("friction.roughness_ra_um", ra, Within(0.01, 20.0))?;
+        checks::check("friction.roughness_ra_um", ra, [0.01, 20.0])?;
     }
     if file.law == FrictionLawFile::Constant {
         let constant = |coefficient| FrictionLaw::Constant { coefficient };

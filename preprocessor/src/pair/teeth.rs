@@ -1,6 +1,6 @@
 //! `tooth_errors` of the pair file: teeth that differ from each other.
 
-use super::checks::{Range::Within, check, in_gear, limits};
+use super::checks::{check, in_gear, limits};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{ToothErrorsFile, ToothFlank, UM};
 use super::flanks::Flanks;
@@ -23,8 +23,8 @@ pub(super) fn tooth_errors(
     let gear = &flanks.geometry.gears[flanks.i];
     let path = in_gear(flanks.i, "tooth_errors.");
     limits! { path, given;
-        runout_um: Within(0.0, largest(gear));
-        runout_angle_deg: Within(-360.0, 360.0);
+        runout_um: [0.0, largest(gear)];
+        runout_angle_deg: [-360.0, 360.0];
     }
     let mut errors = ToothErrors {
         index: index(given, gear, flank, &path)?,
@@ -40,12 +40,15 @@ pub(super) fn tooth_errors(
     };
     for (place, own) in given.teeth.iter().enumerate() {
         let (path, tooth) = (format!("{path}teeth[{place}]."), own.tooth);
-        ensure!(tooth < gear.teeth, format!("{path}tooth") => tooth;
-            "is no tooth of a gear of {}", gear.teeth; "give a number from 0 to {}", gear.teeth - 1);
+        check(
+            &format!("{path}tooth"),
+            f64::from(tooth),
+            [0.0, gear.z() - 1.0],
+        )?;
         let is_again = given.teeth[..place].iter().any(|t| t.tooth == tooth);
         ensure!(!is_again, format!("{path}tooth") => tooth;
             "stands in the list twice"; "give a tooth once, with all that is its own");
-        limits! { path, own; compliance_factor: Within(1.0, LARGEST_FACTOR); }
+        limits! { path, own; compliance_factor: [1.0, LARGEST_FACTOR]; }
         let factor = own.compliance_factor;
         if factor > 1.0 {
             errors.weak.push(WeakTooth { tooth, factor });
@@ -91,7 +94,7 @@ fn index(
             ensure!(list.len() == gear.teeth as usize, path => format!("{} numbers", list.len());
                 "the gear has {} teeth", gear.teeth; "give one number for every tooth");
             for (tooth, um) in list.iter().enumerate() {
-                check(&format!("{path}[{tooth}]"), *um, Within(-most, most))?;
+                check(&format!("{path}[{tooth}]"), *um, [-most, most])?;
             }
             let all_zero = list.iter().all(|um| *um == 0.0);
             let errors = list.iter().filter(|_| !all_zero).map(|um| um * UM);
@@ -99,9 +102,8 @@ fn index(
         }
         (None, Some(class)) => {
             let path = format!("{path}.pitch_class");
-            ensure!(CLASSES.contains(&class), path => class;
-                "is no flank tolerance class of ISO 1328-1";
-                "give one from {} to {}", CLASSES.start(), CLASSES.end());
+            let classes = [*CLASSES.start(), *CLASSES.end()].map(f64::from);
+            check(&path, f64::from(class), classes)?;
             let errors = random_index_errors(gear, class, given.seed);
             let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.abs())) / UM;
             ensure!(largest <= most, path => class;

@@ -146,7 +146,7 @@ fn unknown_field(given: &str, known: &[&str]) -> String {
         ("`friction`", names::<FrictionFile>()),
     ];
     let is_near = nearest(given, known).is_some();
-    for (part, fields) in parts.into_iter().filter(|_| !is_near) {
+    for (part, fields) in parts.iter().filter(|_| !is_near) {
         let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
         if let Some(name) = nearest(given, &fields) {
             let given = shown(given);
@@ -178,34 +178,21 @@ fn names<T: DeserializeOwned>() -> Vec<String> {
     names.map(str::to_owned).collect()
 }
 
-/// The letters of drawings and standards, and what they have in place of a field.
-const LETTERS: &[(&str, &str)] = &[
-    ("a", "center_distance_mm"),
-    ("alpha", "normal_pressure_angle_deg"),
-    ("b", "face_width_mm"),
-    ("beta", "helix_angle_deg"),
-    ("da", "tip_diameter_mm"),
-    ("df", "root_diameter_mm"),
-    ("dm", "ball_diameter_mm"),
-    ("jbn", "normal_backlash_um"),
-    ("mdk", "dimension_over_balls_mm"),
-    ("pz", "lead_mm"),
-    ("sn", "normal_tooth_thickness_mm"),
-    ("wk", "span_measurement_mm"),
-    ("e", "youngs_modulus_gpa"),
-    ("m", "normal_module_mm"),
-    ("mn", "normal_module_mm"),
-    ("nu", "poisson_ratio"),
-    ("x", "profile_shift"),
-    ("z", "teeth"),
-];
+/// Letters of drawings and standards, each before the field that it stands for.
+const LETTERS: &str = "a center_distance_mm alpha normal_pressure_angle_deg b face_width_mm beta helix_angle_deg \
+    da tip_diameter_mm df root_diameter_mm dm ball_diameter_mm e youngs_modulus_gpa jbn normal_backlash_um \
+    m normal_module_mm mdk dimension_over_balls_mm mn normal_module_mm nu poisson_ratio pz lead_mm \
+    sn normal_tooth_thickness_mm wk span_measurement_mm x profile_shift z teeth";
 
 /// The name that `given` is probably meant to be.
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase().replace("centre", "center");
     let letter = given.replace('_', "");
-    let meant = LETTERS.iter().find(|(other, _)| *other == letter);
-    if let Some(name) = meant.and_then(|(_, meant)| names.iter().find(|name| *name == meant)) {
+    let mut words = LETTERS.split(' ');
+    let meant = words
+        .position(|word| word == letter)
+        .and_then(|_| words.next());
+    if let Some(name) = names.iter().find(|name| Some(**name) == meant) {
         return Some(name);
     }
     // Slips of the hand, and names of which a part is missing.

@@ -126,7 +126,7 @@ fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
         };
         let removals = rolls.iter().map(removal).collect();
         let grid = Topography::new(rolls, vec![0.0, 10e-3, 25e-3], removals).unwrap();
-        pair.microgeometry.drive[0].topography = Some(std::sync::Arc::new(grid));
+        pair.microgeometry.drive[0].topography = Some(grid);
         let found = curvature(&pair) / plain;
         assert!(
             (found / left - 1.0).abs() < 1e-3,

@@ -13,8 +13,7 @@ fn gear(kind: GearKind, teeth: u32, hand: f64, helix_angle_deg: f64, x: f64) -> 
     gear
 }
 
-/// External, internal and ring as gear 1, spur and helical, thinned teeth, off the reference centre
-/// distance.
+/// External, internal and ring as gear 1, spur and helical, thinned teeth, off the reference centre distance.
 fn pairs() -> Vec<PairGeometry> {
     use GearKind::{External, Ring};
     let mut out = Vec::new();

@@ -113,7 +113,6 @@ fn by_contact(setup: &Setup, file: &ContactFile) -> Result<Element> {
         &setup.pair.geometry,
         &parameters,
         file,
-        None,
     )?)
 }
 

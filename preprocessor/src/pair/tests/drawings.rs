@@ -3,6 +3,7 @@
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 
 use super::drawing::{Measure, generating_profile_shift, lead};
+use super::file::Dimension;
 use super::*;
 use gearmesh::gear::Gear;
 use serde_json::json;
@@ -24,10 +25,8 @@ fn thickness(gear: &Gear) -> f64 {
 }
 
 fn middle(value: &Value) -> Option<f64> {
-    let limit = |i: usize| value.get(i)?.as_f64();
-    value
-        .as_f64()
-        .or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
+    let dimension: Option<Dimension> = serde_json::from_value(value.clone()).ok();
+    dimension.map(Dimension::middle)
 }
 
 #[test]
@@ -40,10 +39,8 @@ fn drawings_without_profile_shifts_give_the_teeth_that_they_were_computed_from()
             let right = expected["normal_tooth_thickness_mm"][i].as_f64().unwrap();
             assert_abs_diff_eq!(s, right, epsilon = 2e-3);
             let x = gear.kappa() * generating_profile_shift(gear, 1e-3 * s);
-            let right = expected["generating_profile_shift_iso"][i]
-                .as_f64()
-                .unwrap();
-            assert_abs_diff_eq!(x, right, epsilon = 2e-3);
+            let right = &expected["generating_profile_shift_iso"][i];
+            assert_abs_diff_eq!(x, right.as_f64().unwrap(), epsilon = 2e-3);
             let given = &file[format!("gear{}", i + 1)];
             let root = middle(&given["root_diameter_mm"]).unwrap();
             assert_abs_diff_eq!(2e3 * gear.root_radius(), root, epsilon = 0.011);
@@ -118,10 +115,8 @@ fn usual_gauges_touch_between_root_and_tip() {
         for gear in &read(&drawing["file"]).geometry.gears {
             let gauges = Gauges::usual(gear);
             let (root, tip) = (gear.root_radius(), gear.tip_radius);
-            for measure in [
-                Measure::Span(gauges.span_teeth),
-                Measure::Balls(gauges.ball_diameter),
-            ] {
+            let span = Measure::Span(gauges.span_teeth);
+            for measure in [span, Measure::Balls(gauges.ball_diameter)] {
                 let Some(value) = measure.of(gear) else {
                     assert!(matches!(measure, Measure::Span(_)) && gear.helix_angle > 0.0);
                     continue;
@@ -156,10 +151,8 @@ fn normal_backlash_is_that_of_the_flanks() {
 fn a_relief_starts_where_any_of_its_forms_says() {
     let diameter = pair(SPUR, "{}");
     let gear = &diameter.geometry.gears[0];
-    let start = diameter.microgeometry.drive[0]
-        .tip_relief
-        .unwrap()
-        .start_roll;
+    let relief = |pair: &Pair| pair.microgeometry.drive[0].tip_relief.unwrap();
+    let start = relief(&diameter).start_roll;
     let angle = (start / gear.base_radius()).to_degrees();
     let from_tip = 1e3 * (gear.tip_form_roll() - start);
     for (name, value) in [
@@ -170,28 +163,23 @@ fn a_relief_starts_where_any_of_its_forms_says() {
         let patch = format!(
             r#"{{"gear1": {{"tip_relief": {{"start": {{"diameter_mm": null, "{name}": {value}}}}}}}}}"#
         );
-        let relief = pair(SPUR, &patch).microgeometry.drive[0].tip_relief;
-        assert_relative_eq!(relief.unwrap().start_roll, start, max_relative = 1e-9);
+        let found = relief(&pair(SPUR, &patch)).start_roll;
+        assert_relative_eq!(found, start, max_relative = 1e-9);
         let error = refusal(SPUR, &patch.replace(&value.to_string(), "300")).to_string();
-        assert!(
-            error.contains(name) && error.contains("lengths of roll"),
-            "{error}"
-        );
+        let words = [name, "lengths of roll"];
+        assert!(words.iter().all(|w| error.contains(w)), "{error}");
     }
 }
 
 #[test]
 fn a_draft_varies_the_middle_of_limits() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("pair.json");
-    std::fs::write(&path, drawings()[5]["file"].to_string()).unwrap();
-    let mut draft = PairDraft::read(&path).unwrap();
-    let s = draft.number("gear1.normal_tooth_thickness_mm").unwrap();
-    let before = draft.pair().unwrap().geometry;
-    draft
-        .set("gear1.normal_tooth_thickness_mm", s - 0.01)
-        .unwrap();
-    let after = draft.pair().unwrap().geometry;
-    let [a, b] = [&before, &after].map(|g| thickness(&g.gears[0]));
-    assert_abs_diff_eq!(a - b, 10e-6, epsilon = 1e-9);
+    let mut draft = PairDraft {
+        fields: drawings()[5]["file"].clone(),
+        folder: PathBuf::new(),
+    };
+    let s_n = "gear1.normal_tooth_thickness_mm";
+    let thickness = |draft: &PairDraft| thickness(&draft.pair().unwrap().geometry.gears[0]);
+    let (middle, before) = (draft.number(s_n).unwrap(), thickness(&draft));
+    draft.set(s_n, middle - 0.01).unwrap();
+    assert_abs_diff_eq!(before - thickness(&draft), 10e-6, epsilon = 1e-9);
 }

@@ -1,4 +1,4 @@
-"""`python -m demo`: makes the units of the paper's pair, repeats its simulations and writes a page."""
+"""`python -m demo`: makes the FMUs of the paper's pair, repeats its simulations and writes a page."""
 
 from __future__ import annotations
 

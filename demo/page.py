@@ -46,7 +46,7 @@ def write(results: Results, folder: Path) -> Path:
 <h1>The gear pair of Palermo et al. (2013) through its FMU</h1>
 <p>The first pictures are a run-up at a usual damping, the others the paper's simulations. Static curves come from <code>gearmesh solve</code>. Everything else is <code>palermo2013.fmu</code> (run-ups: the
 unmodified pair) driven through fmpy: gear 1 turns as imposed, gear 2 turns on a rigid revolute joint and its inertia
-is integrated outside the unit; in the first pictures both turn freely. Everything on this page took {results.seconds:.0f} s.</p>
+is integrated outside the FMU; in the first pictures both turn freely. Everything on this page took {results.seconds:.0f} s.</p>
 {figures}
 <h2>The paper's numbers and ours</h2>
 {_table(results)}

@@ -52,7 +52,7 @@ def found(of: dict) -> dict:
 
 
 def compute(root: Path, out: Path, model: dict) -> Results:
-    """Makes the units in `out` with the options `model` and runs all scenes, as many at a time as there are cores."""
+    """Makes the FMUs in `out` with the options `model` and runs all scenes, as many at a time as there are cores."""
     began = time.perf_counter()
     pairs = {kind: root / "resources" / "pairs" / f"{name}.json" for kind, name in PAIRS.items()}
     units = {}

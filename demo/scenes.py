@@ -1,6 +1,6 @@
-"""The paper's simulations, each through the unit: one function, one figure or two.
+"""The paper's simulations, each through the FMU: one function, one figure or two.
 
-Gear 1 turns as imposed, gear 2 on a rigid revolute joint; its inertia is integrated outside the unit.
+Gear 1 turns as imposed, gear 2 on a rigid revolute joint; its inertia is integrated outside the FMU.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def simulate(
 
     The pair is overdamped: the fast root is c/m = 4e5 1/s. With `explicit` the force of one step is held over the
     next, which is stable only below 2 m/c = 5 us. Otherwise the step is linearly implicit: the moment at the predicted pose
-    is corrected by its derivatives, which the unit gives as `mesh.stiffness` and as the damping, so that the step need
+    is corrected by its derivatives, which the FMU gives as `mesh.stiffness` and as the damping, so that the step need
     only resolve the mesh cycle.
     """
     with GearPair(unit, PAPER | choices) as pair:
@@ -171,7 +171,7 @@ def resonant_run_up(unit: Path) -> RunUp:
 
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Dynamic over static transmission error, measured through the unit and in closed form."""
+    """Dynamic over static transmission error, measured through the FMU and in closed form."""
 
     frequency: np.ndarray  # Hz
     measured: np.ndarray

@@ -1,4 +1,4 @@
-//! Makes the tables of a pair: static contact at every node of a grid, sealed in a file that a unit packs.
+//! Makes the tables of a pair: static contact at every node of a grid, sealed in a file that FMUs carry.
 //!
 //! The four axes are the displacement along the line of action (as a share of that under the largest load), the centre
 //! distance, the misalignment and the mesh position; one node leaves an axis out.
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::write(path, file.to_json())?;
     }
 
-    // What a unit does with it in each of its steps.
+    // What an FMU does with it in each of its steps.
     let table = Table::from_file(file)?;
     let (flank, _) = table.flank(Flank::Drive);
     let query = Query {

@@ -68,7 +68,7 @@ def main():
     if sys.argv[1:2] == ["--command"]:
         Path(sys.argv[2]).write_text(page(COMMAND, "program"), encoding="utf-8")
         return
-    text = page(LIBRARY, "unit's library")
+    text = page(LIBRARY, "FMU's library")
     if "--check" in sys.argv[1:]:
         if OUT.read_text(encoding="utf-8") != text:
             sys.exit(f"{OUT.relative_to(ROOT)} is not that of Cargo.lock: run `make licenses`")

@@ -15,38 +15,11 @@ import sys
 import numpy as np
 from pypardiso import PyPardisoSolver
 
+from reference.flank_mesh import Profile
 from reference.hexahedra import LOCAL, halves, shape, stiffness
+from reference.teeth import NU, Gear
 
-E, NU = 206e9, 0.3
-
-
-def outline(gear, points=4000):
-    """Radius and angle from the middle of the space (angle 0) to the tip, m and rad: envelope of the rack."""
-    m, z, beta = gear["module"], gear["teeth"], np.radians(gear["helix_deg"])
-    alpha, x, hf, rho = np.radians(20.0), gear["shift"], 1.25 * m, 0.38 * m
-    r = 0.5 * z * m / np.cos(beta)
-    half = 0.25 * np.pi * m - hf * np.tan(alpha)  # of the rack's tip, normal section
-    centre = half + rho * np.tan(alpha) - rho / np.cos(alpha)
-    psi = np.linspace(0.0, 0.5 * np.pi - alpha, points)  # round, from the land to the flank
-    up = np.linspace(0.0, 2.6 * m, points)[1:]  # flank, along its normal-section height
-    eta = np.r_[centre + rho * np.sin(psi), centre + rho * np.cos(alpha) + up * np.tan(alpha)]
-    depth = hf - x * m - np.r_[rho * (1 - np.cos(psi)), rho * (1 - np.sin(alpha)) + up]
-    # Normal of the rack in the transverse section, where lengths along its pitch line are stretched by 1 / cos(beta).
-    n_eta = np.r_[np.sin(psi), np.full(points - 1, np.cos(alpha))] * np.cos(beta)
-    n_depth = np.r_[np.cos(psi), np.full(points - 1, np.sin(alpha))]
-    eta = eta / np.cos(beta)
-    shift = depth * n_eta / n_depth - eta  # the normal goes through the pitch point
-    x_fixed, y_fixed, turn = r - depth, eta + shift, shift / r
-    radius = np.hypot(x_fixed, y_fixed)
-    angle = np.arctan2(y_fixed, x_fixed) - turn
-    land = np.linspace(0.0, angle[0], 50)[:-1]
-    radius, angle = np.r_[np.full(49, radius[0]), radius], np.r_[land, angle]
-    tip = r + m * (1.0 + x)
-    last = np.argmax(radius > tip)
-    share = (tip - radius[last - 1]) / (radius[last] - radius[last - 1])
-    angle[last] = angle[last - 1] + share * (angle[last] - angle[last - 1])
-    radius[last] = tip
-    return radius[: last + 1], angle[: last + 1], psi.size + 48
+E = 206e9
 
 
 def graded(a, b, first, growth):
@@ -61,30 +34,32 @@ class Model:
     def __init__(self, gear):
         self.gear = gear
         m, z = gear["module"], gear["teeth"]
-        radius, angle, form = outline(gear)
+        self.teeth = Gear(z, 1e3 * m, 20.0, gear["helix_deg"], tip=1e3 * (0.5 * z * m / np.cos(np.radians(gear["helix_deg"])) + m))
+        self.profile = profile = Profile(self.teeth)  # tooth at 0, this flank faces +theta; mm
         pitch = 2 * np.pi / z
-        angle = 0.5 * pitch - angle  # tooth at 0, this flank faces +theta
-        length = np.hypot(np.diff(radius), 0.5 * (radius[1:] + radius[:-1]) * np.diff(angle))
-        arc = np.r_[0.0, np.cumsum(length)]
-        self.arc, self.radius, self.angle, self.arc_form = arc, radius, angle, arc[form]
-        split = np.argmax(np.diff(radius) > 0.707 * length)  # where the fillet has turned by 45 degrees
-        at = lambda s: (np.interp(s, arc, radius), np.interp(s, arc, angle))
+        # Arc lengths (m) where the fillet has turned by 45 degrees, where the involute starts, and of the tip.
+        split, form, tip = (1e-3 * arc for arc in (profile.split, profile.of_radius(profile.form_radius), profile.tip))
+
+        def at(arc):
+            r, t = profile.at(1e3 * arc)
+            return 1e-3 * r, t
+
         # Arc lengths of flank nodes; the involute starts on one.
-        n1 = max(1, round((arc[form] - arc[split]) / (0.2 * m)))
-        n2 = round((arc[-1] - arc[form]) / (0.17 * m))
-        arcs = halves(np.r_[np.linspace(arc[split], arc[form], n1 + 1), np.linspace(arc[form], arc[-1], n2 + 1)[1:]])
+        n1 = max(1, round((form - split) / (0.2 * m)))
+        n2 = round((tip - form) / (0.17 * m))
+        arcs = halves(np.r_[np.linspace(split, form, n1 + 1), np.linspace(form, tip, n2 + 1)[1:]])
         self.arcs = arcs
         u = halves(np.sin(0.5 * np.pi * np.linspace(-1, 1, gear["across"] + 1)))
         r_row, t_row = at(arcs)
         blocks = [(np.outer(np.ones(u.size), r_row), np.outer(u, t_row), "rim")]
-        self.rim_in = radius[0] - gear["rim"]
-        r_s, t_s = at(arc[split])
+        self.rim_in = 1e-3 * self.teeth.root - gear["rim"]
+        r_s, t_s = at(split)
         below = halves(graded(0.0, 1.0, 0.3 * m / (r_s - self.rim_in), 1.35))
-        land = halves(np.linspace(arc[split], 0.0, gear["land"] + 1))
+        land = halves(np.linspace(split, 0.0, gear["land"] + 1))
         r_land, t_land = at(land)
         columns = []  # (surface radius, surface angle, angle inside)
         columns.append((np.full(u.size, r_s), u * t_s, u * t_s))
-        w = (arc[split] - land) / arc[split]
+        w = (split - land) / split
         inside = t_s + w * (0.5 * pitch - t_s)
         columns.append((r_land, t_land, inside))
         columns.append((r_land[::-1], -t_land[::-1], -inside[::-1]))
@@ -104,7 +79,7 @@ class Model:
         gear = self.gear
         zs = halves(gear["stations"])
         spans = {"rim": [0.0, gear["face"]], "web": gear["web"], "hub": gear["hub_z"]}
-        twist = np.tan(np.radians(gear["helix_deg"])) / (0.5 * gear["teeth"] * gear["module"] / np.cos(np.radians(gear["helix_deg"])))
+        twist = 1e3 * self.teeth.twist
         steps = LOCAL + 1
         cells, flank = [], []
         for number, (r, t, part) in enumerate(blocks):
@@ -154,8 +129,8 @@ class Model:
             for p, wp in zip(a, w):
                 z = 0.5 * (low + high) + 0.5 * (high - low) * p
                 share = (z - z0) / (z1 - z0)
-                roll = [np.sqrt((0.5e-3 * d) ** 2 - self.base() ** 2) for d in strip["diameter_mm"]]
-                place = np.interp(np.hypot(roll[0] + share * (roll[1] - roll[0]), self.base()), self.radius[-2000:], self.arc[-2000:])
+                roll = [np.sqrt((0.5 * d) ** 2 - self.teeth.rb**2) for d in strip["diameter_mm"]]
+                place = 1e-3 * self.profile.of_radius(np.hypot(roll[0] + share * (roll[1] - roll[0]), self.teeth.rb))
                 lo, hi = max(s0, place - half_width), min(s1, place + half_width)
                 if hi <= lo:
                     continue
@@ -176,14 +151,9 @@ class Model:
                         f[3 * self.number[node] : 3 * self.number[node] + 3] += value * share_of_node * normal
         return f
 
-    def base(self):
-        beta = np.radians(self.gear["helix_deg"])
-        alpha_t = np.arctan(np.tan(np.radians(20.0)) / np.cos(beta))
-        return 0.5 * self.gear["teeth"] * self.gear["module"] / np.cos(beta) * np.cos(alpha_t)
-
 
 def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations, strips, held_z=None, growth=2.0):
-    gear = dict(teeth=teeth, module=module * 1e-3, helix_deg=helix, shift=0.0, face=face * 1e-3, rim=rim * 1e-3,
+    gear = dict(teeth=teeth, module=module * 1e-3, helix_deg=helix, face=face * 1e-3, rim=rim * 1e-3,
                 web=[v * 1e-3 for v in web], hub=0.5e-3 * hub, hub_z=[v * 1e-3 for v in hub_z], bore=0.5e-3 * bore,
                 stations=[v * 1e-3 for v in stations], across=6, land=2, growth=growth,
                 held_z=held_z and [v * 1e-3 for v in held_z])

@@ -1,7 +1,7 @@
 //! Claims about the element on the table of a real pair.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Prescribed};
+use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::element::{
     BODY_COLUMNS, CONTINUOUS_OUTPUTS, Element, Formulation, Inputs, Jacobian, LoadedFlank, Outputs,
     Parameters, StiffnessModel,
@@ -10,7 +10,6 @@ use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
-use gearmesh::root::bisection;
 use gearmesh::table::{
     Axes, FrictionRecord, LoadAxes, LoadSpline, RootStressRecord, Table, TableFile,
 };
@@ -18,25 +17,16 @@ use gearmesh_preprocessor::contact::{PositionRoots, condensed_roots, contact_fil
 use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{
-    Coverage, RootStressSweep, StaticSource, TeethSweep, Watch, default_root_stress_axes,
-    default_sliding_axes, default_teeth_axes, displacement_nodes, mesh_positions, sweep,
-    sweep_sliding,
+    Coverage, RootStressSweep, TeethSweep, default_root_stress_axes, default_sliding_axes,
+    default_teeth_axes, displacement_nodes, mesh_positions, sweep, sweep_sliding,
 };
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 #[path = "common/solver.rs"]
 mod solver;
-use solver::coarse_solver;
-
-static GO_ON: AtomicBool = AtomicBool::new(false);
-
-const QUIET: Watch = Watch {
-    progress: &|_, _| (),
-    cancel: &GO_ON,
-};
+use solver::{QUIET, coarse_solver, with_stations};
 
 /// Both formulations.
 const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
@@ -79,73 +69,6 @@ fn axes(positions: usize) -> Axes {
         misalignment: vec![0.0],
         mesh_position: mesh_positions(positions),
     }
-}
-
-/// The paper's modified pair with a lead slope, so that the flanks differ; coarse finite elements. The element at
-/// rest under a torque has, on either flank, transmission error and axial position of the contact as the contact
-/// solver has them there, between the table's nodes.
-#[test]
-fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() {
-    let text = include_str!("../resources/pairs/palermo2013.json");
-    let sloped = text.replacen(
-        r#""lead_crowning_um": 4.5"#,
-        r#""lead_crowning_um": 4.5, "lead_slope_um": 8.0"#,
-        1,
-    );
-    assert_ne!(text, sloped);
-    let pair = pair::from_json(&sloped).unwrap();
-    assert!(!pair.coast_mirrors_drive());
-    let geometry = &pair.geometry;
-    let solver = coarse_solver(&pair, ContactSettings::default());
-    let [drive, coast] = [Flank::Drive, Flank::Coast]
-        .map(|flank| sweep(&solver, flank, &axes(24), 200.0, &QUIET).unwrap());
-    let torques = [100.0, 200.0];
-    let mut file = TableFile::new("p", "test", geometry, torques, &drive, Some(&coast));
-    file.seal();
-    let table = Arc::new(Table::from_file(file).unwrap());
-    let mut levers = [Vec::new(), Vec::new()];
-    for (flank, loaded) in [
-        (Flank::Drive, LoadedFlank::Drive),
-        (Flank::Coast, LoadedFlank::Coast),
-    ] {
-        for formulation in FORMULATIONS {
-            let parameters = Parameters {
-                stiffness_model: StiffnessModel::Table,
-                center_distance_effect: false,
-                misalignment_effect: false,
-                ..undamped(formulation, loaded)
-            };
-            let element = Element::new(geometry, &parameters, Some(table.clone())).unwrap();
-            for torque in [45.0, 100.0, 160.0] {
-                for turn in [0.07, 0.31, 0.52, 0.9] {
-                    let angle = turn * TAU / geometry.gears[0].z();
-                    let loaded = |delta: f64| {
-                        let pressed = compressed(geometry, &element, flank.sign(), delta);
-                        at(&element, &spun(&spun(&pressed, 0, angle), 1, -angle))
-                    };
-                    // dW/dPMC is the part of the torque that the mesh takes as input work; statics of the
-                    // solver hold the force on the line of action, so that is compared.
-                    let out = loaded(bisection([0.0, 30e-6], 60, |delta| {
-                        let out = loaded(delta);
-                        let force =
-                            out.tangential_force / element.line_of_action(out.center_distance);
-                        force * geometry.gears[0].base_radius() < torque
-                    }));
-                    let source: &dyn StaticSource = &solver;
-                    let mut position = source.position(flank, out.mesh_position, 0.0).unwrap();
-                    let found = position.solve(Prescribed::Torque(torque), 0.0).unwrap();
-                    let dte = out.transmission_error * element.line_of_action(out.center_distance);
-                    assert_relative_eq!(flank.sign() * dte, found.approach, max_relative = 3e-3);
-                    let lever = found.moment / found.loa_force;
-                    assert_abs_diff_eq!(out.contact_z - geometry.z_ref(), lever, epsilon = 3e-5);
-                    levers[usize::from(flank == Flank::Coast)].push(lever);
-                }
-            }
-        }
-    }
-    // The slope moves the contact to the same end on both flanks: no mirrored table would.
-    assert!(mean(&levers[0]) * mean(&levers[1]) > 0.0);
-    assert!(mean(&levers[0]).abs() > 1e-4);
 }
 
 /// A real pair on coarse finite elements, with the sliding of its load at every level of stiffness that knows of it.
@@ -379,11 +302,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let mut pair = pair::from_json(text).unwrap();
     pair.refinement = Refinement::Coarse;
     let geometry = &pair.geometry;
-    let settings = ContactSettings {
-        stations: 12,
-        ..ContactSettings::default()
-    };
-    let solver = coarse_solver(&pair, settings);
+    let solver = coarse_solver(&pair, with_stations(12));
     let elastic = Settings::for_pair(&pair);
     let models = pair_root_stress(geometry, Flank::Drive, &elastic, None, &|_, _, _| true);
     let models = models.unwrap().map(|(model, _)| model);

@@ -1,11 +1,15 @@
 //! Whole contact against an independent finite-element program without any Hertz formula, `scripts/contact_reference.py`
 //! (`tests/data/contact_reference.json` says how it works), tip edges that bear load included, and a second one.
-use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::finite_element::Settings;
 use gearmesh_preprocessor::pair;
 use serde_json::Value;
+
+#[path = "common/solver.rs"]
+mod solver;
+use solver::solver;
 
 /// Values of one load at all positions: found and expected.
 type Cycle = [Vec<f64>; 2];
@@ -47,13 +51,11 @@ fn loads(pair: &Pair, case: &Value) -> Vec<([f64; 2], Found)> {
         plane_strain,
         ..Settings::for_pair(pair)
     };
-    let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true).unwrap();
     let mut contact = ContactSettings::for_pair(pair);
     if plane_strain {
         contact.stations = 1;
     }
-    let [first, second] = models.gears;
-    let solver = ContactSolver::new(pair, [first, second], contact).unwrap();
+    let solver = solver(pair, &settings, None, contact);
     let offset = 1e-6 * case["center_distance_offset_um"].as_f64().unwrap();
     let mut all: Vec<([f64; 2], Found)> = case["loads"]
         .as_array()

@@ -3,12 +3,16 @@
 //!
 //! `GEARMESH_SWEEP=60 cargo test --release --test realistic_pairs` goes through so many gear bodies, each with
 //! five sets of modifications, loads and settings of the solver.
-use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
+use gearmesh_preprocessor::finite_element::{ModelCache, Settings};
 use gearmesh_preprocessor::pair;
 use serde_json::{Value, json};
+
+#[path = "common/solver.rs"]
+mod solver;
+use solver::solver;
 
 /// Bodies without `GEARMESH_SWEEP`.
 const BODIES: usize = 3;
@@ -94,13 +98,6 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
     Ok((pair, between(k, 13, -2e-3, 2e-3)))
 }
 
-fn solver(pair: &Pair, cache: Option<&ModelCache>, contact: ContactSettings) -> ContactSolver {
-    let settings = Settings::for_pair(pair);
-    let models = PairCompliance::new(&pair.geometry, &settings, cache, &|_, _, _| true);
-    let [first, second] = models.unwrap().gears;
-    ContactSolver::new(pair, [first, second], contact).unwrap()
-}
-
 #[test]
 fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
     let count = std::env::var("GEARMESH_SWEEP").map_or(BODIES, |text| text.parse().unwrap());
@@ -119,7 +116,7 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
             let (pair, misalignment) = variant(n, v).unwrap();
             let mut contact = ContactSettings::for_pair(&pair);
             contact.stations = [contact.stations, 20, 40, 80, contact.stations][v];
-            let solver = solver(&pair, Some(&cache), contact);
+            let solver = solver(&pair, &Settings::for_pair(&pair), Some(&cache), contact);
             for tau in [draw(n, 14), draw(n, 15), 0.5] {
                 let result = solver.position(Flank::Drive, tau, 0.0).and_then(|p| {
                     p.solve_torque(pair.operating.maximum_torque, misalignment, None)
@@ -172,7 +169,8 @@ fn the_smallest_pair_bears_its_largest_load_at_the_ends_of_what_its_fields_allow
         file["compliance"] = json!({ "refinement": "coarse" });
         change(&mut file);
         let pair = pair::from_json(&file.to_string()).unwrap();
-        let solver = solver(&pair, None, ContactSettings::for_pair(&pair));
+        let settings = Settings::for_pair(&pair);
+        let solver = solver(&pair, &settings, None, ContactSettings::for_pair(&pair));
         let operating = &pair.operating;
         for position in [0.1, 0.35, 0.6, 0.85] {
             for offset in operating.center_distance_offset {

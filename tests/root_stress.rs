@@ -20,29 +20,20 @@ const SEGMENTS: usize = 60;
 fn gear(of: &Value, plane_strain: bool) -> Gear {
     let number = |name: &str, default: f64| of.get(name).map_or(default, |v| v.as_f64().unwrap());
     let face_width = number("b", 10.0);
+    let kind = match of.get("ring") {
+        Some(_) => GearKind::Ring,
+        None => GearKind::External,
+    };
+    let (teeth, helix) = (number("z", 0.0) as u32, number("beta", 0.0));
     Gear {
-        kind: match of.get("ring") {
-            Some(_) => GearKind::Ring,
-            None => GearKind::External,
-        },
-        teeth: number("z", 0.0) as u32,
-        hand: 1.0,
         normal_module: 1e-3 * number("m", 0.0),
         normal_pressure_angle: number("alpha", 0.0).to_radians(),
-        helix_angle: number("beta", 0.0).to_radians(),
-        profile_shift: number("x", 0.0),
         face_width: 1e-3 * if plane_strain { 10.0 } else { face_width },
-        face_offset: 0.0,
         tip_radius: 1e-3 * number("tip", 0.0),
-        tip_chamfer: 0.0,
         dedendum_coefficient: number("dedendum", 1.25),
         tool_tip_radius_coefficient: number("rho", 0.38),
         held_radius: 1e-3 * number("held", 0.0),
-        tooth_thinning: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-        body: None,
-        foundation: None,
+        ..gears::gear(kind, teeth, 1.0, helix, number("x", 0.0))
     }
 }
 

@@ -1,14 +1,15 @@
-//! The tables that are shipped: whole, monotone, as accurate as they say, and of the pairs beside them.
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::{ContactSettings, ContactSolver};
+//! The tables that are shipped: whole, as accurate as they say, and of the pairs beside them.
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
-use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh::table::{FlankTable, Interpolation, TableFile};
+use gearmesh_preprocessor::finite_element::Settings;
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{Coverage, Watch, measure};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use gearmesh_preprocessor::table::{Coverage, measure};
+
+#[path = "common/solver.rs"]
+mod solver;
+use solver::{QUIET, solver};
 
 const PAIRS: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
 
@@ -66,48 +67,13 @@ fn no_solve_of_theirs_came_near_a_limit_of_iterations() {
     }
 }
 
-#[test]
-fn force_never_falls_over_the_displacement() {
-    for name in PAIRS {
-        let table = Table::from_file(tables(name)).unwrap();
-        let axes = &table.file().axes;
-        let top = table.file().drive_grid().top_force();
-        let (c, m) = (&axes.center_distance_offset, &axes.misalignment);
-        for flank in [Flank::Drive, Flank::Coast] {
-            let (flank, _) = table.flank(flank);
-            for n in 0..400 {
-                let s = |root: f64| (0.5 + root * f64::from(n)).fract();
-                let mut query = Query {
-                    delta: 0.0,
-                    center_distance_offset: c[0] + s(0.819_172_5) * (c[c.len() - 1] - c[0]),
-                    misalignment: m[0] + s(0.671_043_6) * (m[m.len() - 1] - m[0]),
-                    mesh_position: s(0.549_700_4),
-                };
-                let mut below = 0.0;
-                for step in 0..400 {
-                    query.delta = -100e-6 + 0.5e-6 * f64::from(step);
-                    let w = flank.evaluate(&query, false);
-                    assert!(w.gradient[0] >= below - 1e-12 * top, "{name} {query:?}");
-                    assert!(w.hessian[0][0] >= -1e-6, "{name} {query:?}");
-                    below = w.gradient[0];
-                }
-                assert!(below > 0.0, "{name} {query:?}");
-            }
-        }
-    }
-}
-
 /// Fresh solutions of today's pair file, modifications included, at points that had no part in the tables.
 #[test]
 fn each_agrees_with_fresh_solutions_within_its_stated_error() {
     for name in PAIRS {
         let (file, pair) = (tables(name), pair(name));
         let settings = Settings::for_pair(&pair);
-        let compliance =
-            PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true).unwrap();
-        let compliance = compliance.gears.map(|g| g as Arc<dyn ToothCompliance>);
-        let solver =
-            ContactSolver::new(&pair, compliance, ContactSettings::for_pair(&pair)).unwrap();
+        let solver = solver(&pair, &settings, None, ContactSettings::for_pair(&pair));
         let coverage = Coverage {
             // Just inside the ranges: other random points than those of the error in the file.
             center_distance_offset: Some(pair.operating.center_distance_offset.map(|c| 0.97 * c)),
@@ -115,15 +81,10 @@ fn each_agrees_with_fresh_solutions_within_its_stated_error() {
             nominal_torque: pair.operating.nominal_torque,
             maximum_torque: 0.97 * pair.operating.maximum_torque,
         };
-        let cancel = AtomicBool::new(false);
-        let watch = Watch {
-            progress: &|_, _| {},
-            cancel: &cancel,
-        };
         let found = |interpolation| {
             let table = FlankTable::new(&file.drive_grid(), interpolation).unwrap();
             let (geometry, flank) = (&pair.geometry, Flank::Drive);
-            measure(&solver, geometry, flank, &coverage, &table, 100, &watch).unwrap()
+            measure(&solver, geometry, flank, &coverage, &table, 100, &QUIET).unwrap()
         };
         let stated = file.interpolation_error.unwrap();
         let spline = found(Interpolation::Spline);

@@ -1,6 +1,6 @@
 //! Claims about tooth pairs one by one (`stiffnessModel = teeth`), on a real pair with coarse finite elements.
 
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Warm};
+use gearmesh::contact::{ContactFile, ContactSolver, Warm};
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 use gearmesh::pair::Pair;
@@ -13,22 +13,13 @@ use gearmesh::table::{
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{
-    Coverage, TeethSweep, Watch, default_teeth_axes, displacement_nodes, measure, mesh_positions,
-    sweep,
+    Coverage, TeethSweep, default_teeth_axes, displacement_nodes, measure, mesh_positions, sweep,
 };
 use std::sync::LazyLock;
-use std::sync::atomic::AtomicBool;
 
 #[path = "common/solver.rs"]
 mod solver;
-use solver::coarse_solver;
-
-static GO_ON: AtomicBool = AtomicBool::new(false);
-
-const QUIET: Watch = Watch {
-    progress: &|_, _| (),
-    cancel: &GO_ON,
-};
+use solver::{QUIET, coarse_solver, with_stations};
 
 /// That of the pair file.
 const MISALIGNMENT: [f64; 2] = [-3e-3, 3e-3];
@@ -43,11 +34,7 @@ struct Ready {
 
 impl Ready {
     fn new(pair: Pair, stations: usize, misalignment: [f64; 2]) -> Self {
-        let settings = ContactSettings {
-            stations,
-            ..ContactSettings::default()
-        };
-        let solver = coarse_solver(&pair, settings);
+        let solver = coarse_solver(&pair, with_stations(stations));
         let coverage = Coverage {
             center_distance_offset: None,
             misalignment: Some(misalignment),

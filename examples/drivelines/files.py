@@ -23,25 +23,25 @@ def save(figure, name: str) -> None:
 
 
 def shipped(name: str, **set: gearmesh.command.Value) -> Path:
-    """The unit of the tables in resources/tables, packed once, with start values."""
+    """The FMU of the tables in resources/tables, packed once, with start values."""
     tables = ROOT / "resources" / "tables" / f"{name}.json"
     return _made("-".join([name, *(f"{k}={v}" for k, v in set.items())]), tables, lambda out: gearmesh.pack(tables, out, set=set))
 
 
 def local(name: str) -> Path:
-    """The unit of a pair of the examples' own, from the tables beside its pair file (examples/drivelines/pairs)."""
+    """The FMU of a pair of the examples' own, from the tables beside its pair file (examples/drivelines/pairs)."""
     tables = PAIRS / f"{name}.tables.json"
     return _made(name, tables, lambda out: gearmesh.pack(tables, out))
 
 
 def built(pair: Path) -> Path:
-    """The unit of a pair file, with tables over load and mesh position on coarse finite elements."""
+    """The FMU of a pair file, with tables over load and mesh position on coarse finite elements."""
     options = {"refinement": "coarse", "no_center_distance": True, "no_misalignment": True}
     return _made(f"{pair.stem}-built", pair, lambda out: gearmesh.build(pair, out, **options))
 
 
 def _made(name: str, source: Path, make: Callable[[Path], object]) -> Path:
-    """Makes a unit unless there is one newer than what it is made of."""
+    """Makes an FMU unless there is one newer than what it is made of."""
     out = OUT / f"{name}.fmu"
     if not out.exists() or out.stat().st_mtime < max(s.stat().st_mtime for s in (source, command.executable())):
         OUT.mkdir(parents=True, exist_ok=True)

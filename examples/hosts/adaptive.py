@@ -1,4 +1,4 @@
-"""Adaptive solvers on a unit through Model Exchange: what event indicators and directional derivatives would save.
+"""Adaptive solvers on an FMU through Model Exchange: what event indicators and directional derivatives would save.
 
     python -m examples.hosts.adaptive CONSTANT.fmu TABLES.fmu [--data docs/data/hosts]
 
@@ -30,7 +30,7 @@ HYSTERESIS = 1e-13
 
 
 class Hinge:
-    """Gear 2 on its hinge: the state is its lead over the ideal angle, rad, and the rate; counts calls of the unit."""
+    """Gear 2 on its hinge: the state is its lead over the ideal angle, rad, and the rate; counts calls of the FMU."""
 
     def __init__(self, fmu: Path, torque: Callable[[float], float], backlash: float | None = None) -> None:
         parameters = {} if backlash is None else {"backlash": backlash}
@@ -57,7 +57,7 @@ class Hinge:
 
 @dataclass(frozen=True)
 class Run:
-    """Steps taken and rejected, calls of the unit, and the lead over the grid of times, rad."""
+    """Steps taken and rejected, calls of the FMU, and the lead over the grid of times, rad."""
 
     steps: int
     rejected: int

@@ -50,7 +50,7 @@ def write_table(file: Path, names: list[str], rows: np.ndarray) -> None:
 
 
 def revolution(fmu: Path, torque: float, revolutions: float = 1.0, steps: int = 1024) -> Scenario:
-    """The scenario for a unit of a pair whose gear 1 bears `torque`, N m, on its drive flank.
+    """The scenario for an FMU of a pair whose gear 1 bears `torque`, N m, on its drive flank.
 
     `steps` rows of 61 us over `revolutions` of gear 1: the parts of it that are short turn as fast.
     """

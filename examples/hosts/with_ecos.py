@@ -14,7 +14,7 @@ VERSION = version("ecospy")
 
 @contextmanager
 def simulation(fmu, step):
-    """The unit alone, in communication steps of `step` s."""
+    """The FMU alone, in communication steps of `step` s."""
     EcosLib.set_log_level("err")
     with tempfile.TemporaryDirectory() as folder:
         # A system with shafts and motors has more units, and connections between `mesh` and them.

@@ -1,7 +1,7 @@
 """Exudyn: both gears are rigid bodies, the mesh a load on each, evaluated by Model Exchange at every stage.
 
 A user function is called whenever the solver wants forces, several times a step and for steps that it rejects; Model
-Exchange may be asked in any order. `NodeType.RotationRxyz` has the unit's own angles and runs in explicit solvers, too.
+Exchange may be asked in any order. `NodeType.RotationRxyz` has the FMU's own angles and runs in explicit solvers, too.
 """
 
 import exudyn as exu
@@ -17,7 +17,7 @@ QUANTITIES = ("position", "angles", "velocity", "angularVelocity")
 
 
 def model_exchange(fmu, scenario, outputs):
-    """The unit's outputs inside Exudyn's evaluation of forces at the imposed poses."""
+    """The FMU's outputs inside Exudyn's evaluation of forces at the imposed poses."""
     with GearPair(fmu, interface="model-exchange") as pair:
         mbs = exu.SystemContainer().AddSystem()
         starts = np.array([[pair.u[pair.input[f"gear{gear}.position[{i}]"]] for i in (1, 2, 3)] for gear in (1, 2)])

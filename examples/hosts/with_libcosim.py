@@ -19,7 +19,7 @@ VERSION = version("libcosimpy")
 
 
 def started(fmu, step):
-    """An execution with the unit alone, in communication steps of `step` s, what sets its inputs, and its index."""
+    """An execution with the FMU alone, in communication steps of `step` s, what sets its inputs, and its index."""
     log_output_level(CosimLogLevel.ERROR)
     execution = CosimExecution.from_step_size(round(1e9 * step))
     mesh = execution.add_local_slave(CosimLocalSlave(fmu_path=str(fmu), instance_name="mesh"))

@@ -1,6 +1,6 @@
 """MuJoCo: both gears on hinges, the mesh between them as a passive force, so that backlash needs no joints of its own.
 
-`mjcb_passive` is called at every stage of the integrator; the unit answers by Model Exchange. MuJoCo's bodies
+`mjcb_passive` is called at every stage of the integrator; the FMU answers by Model Exchange. MuJoCo's bodies
 carry position, orientation and velocities in world axes, and `qfrc_passive` takes the moment about each hinge. A
 gear that may tilt or move stands on more joints; here it is moved by its mount (`mocap` would do as well).
 """
@@ -22,13 +22,13 @@ MODEL = """
   </worldbody>
 </mujoco>
 """
-# The joints in the order of their coordinates: the same angles as the unit's, about x, then y, then z.
+# The joints in the order of their coordinates: the same angles as the FMU's, about x, then y, then z.
 COORDINATES = ["gear1.angles[3]", "gear2.position[1]", "gear2.angles[1]", "gear2.angles[2]", "gear2.angles[3]"]
 JOINTS = [5, 6, 9, 10, 11]  # of the twelve coordinates of both gears
 
 
 class Mesh:
-    """The passive force of a unit between gear 1 and gear 2 of `MODEL`."""
+    """The passive force of an FMU between gear 1 and gear 2 of `MODEL`."""
 
     def __init__(self, fmu):
         self.pair = GearPair(fmu, interface="model-exchange")
@@ -54,7 +54,7 @@ class Mesh:
 
 
 def model_exchange(fmu, scenario, outputs):
-    """The unit's outputs inside MuJoCo's forward dynamics at the imposed poses."""
+    """The FMU's outputs inside MuJoCo's forward dynamics at the imposed poses."""
     column = {name: i for i, name in enumerate(scenario.names)}
     rows = []
     with Mesh(fmu) as mesh:

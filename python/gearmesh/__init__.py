@@ -1,4 +1,4 @@
-"""Static contact, FMI 2.0 units and dynamics of gear pairs from Python, as arrays with the units in their names.
+"""Static contact, FMUs (FMI 2.0) and dynamics of gear pairs from Python, as arrays with the units in their names.
 
     import gearmesh
 
@@ -11,7 +11,7 @@
     print(found.of(23).max(), found.level_db(reference=1.0).max())
 
 `build`, `pack`, `solve`, `solve_all`, `study` and `inspect` run the command `gearmesh`; its errors are `CommandError`. `plot_cycle`,
-`plot_run_up`, `plot_orders` and `plot_campbell` need matplotlib. A unit in a loop of your own:
+`plot_run_up`, `plot_orders` and `plot_campbell` need matplotlib. An FMU in a loop of your own:
 
     from gearmesh import GearPair
 

@@ -1,7 +1,8 @@
-"""The command `gearmesh` from Python: units, static contact and tolerance studies, as arrays with units in their names.
+"""The command `gearmesh` from Python: FMUs, static contact and tolerance studies, as arrays with units in their names.
 
 `pair` is a pair file or, as a mapping, what would stand in one. Keyword options are those of the command line:
-`refinement="coarse"` is `--refinement coarse`, `no_center_distance=True` is `--no-center-distance`.
+`refinement="coarse"` is `--refinement coarse`, `no_center_distance=True` is `--no-center-distance`. What the command refuses is
+a CommandError with its message.
 """
 
 from __future__ import annotations
@@ -238,7 +239,7 @@ def run(*arguments: object) -> str:
 
 
 def build(pair: Pair, out: str | Path, *, set: Mapping[str, Value] | None = None, **options: Unpack[TableOptions]) -> Path:
-    """Computes the tables of a pair and packs them into a unit.
+    """Computes the tables of a pair and packs them into an FMU.
 
     Parameters
     ----------
@@ -255,11 +256,6 @@ def build(pair: Pair, out: str | Path, *, set: Mapping[str, Value] | None = None
     -------
     Path
         Of the FMU.
-
-    Raises
-    ------
-    CommandError
-        With the message of the command.
     """
     with _file(pair) as file:
         run("build", file, "-o", out, "-q", *_settings(set), *_options(options))
@@ -267,12 +263,12 @@ def build(pair: Pair, out: str | Path, *, set: Mapping[str, Value] | None = None
 
 
 def pack(source: Pair, out: str | Path, *, set: Mapping[str, Value] | None = None) -> Path:
-    """Packs tables, or a pair with constant stiffness, into a unit.
+    """Packs tables, or a pair with constant stiffness, into an FMU.
 
     Parameters
     ----------
     source
-        Tables that the command wrote; or a pair file or its content, for a unit without tables.
+        Tables that the command wrote; or a pair file or its content, for an FMU without tables.
     out, set
         As in `build`.
 
@@ -280,11 +276,6 @@ def pack(source: Pair, out: str | Path, *, set: Mapping[str, Value] | None = Non
     -------
     Path
         Of the FMU.
-
-    Raises
-    ------
-    CommandError
-        With the message of the command.
     """
     with _file(source) as file:
         kind = "--tables" if "axes" in json.loads(Path(file).read_text(encoding="utf-8")) else "--pair"
@@ -330,11 +321,6 @@ def solve(
     Returns
     -------
     MeshCycle
-
-    Raises
-    ------
-    CommandError
-        With the message of the command.
     """
     torques = [] if torque_nm is None else [torque_nm]
     more = {"positions": positions, "center_distance_offset_um": center_distance_offset_um, "flank": flank, "root_stress": root_stress}
@@ -357,11 +343,6 @@ def solve_all(
     -------
     list of MeshCycle
         The misalignments of the first torque, then those of the next.
-
-    Raises
-    ------
-    CommandError
-        With the message of the command.
     """
     return _solve(pair, torques_nm, misalignments_mrad, options)
 
@@ -424,11 +405,6 @@ def study(
     Returns
     -------
     StudyResult
-
-    Raises
-    ------
-    CommandError
-        With the message of the command.
     """
     intervals = [f"--vary={name}={_interval(interval)}" for name, interval in vary.items()]
     more = {"iso_1328_class": iso_1328_class, "samples": samples, "seed": seed, "torques_nm": torques_nm}
@@ -460,11 +436,6 @@ def inspect(file: str | Path) -> Inspection:
     Returns
     -------
     Inspection
-
-    Raises
-    ------
-    CommandError
-        With the message of the command.
     """
     text = run("inspect", file)
     kind = text.partition("\n")[0].rpartition(": ")[2]

@@ -1,4 +1,4 @@
-"""Two gears in motion: the integrator, the co-simulation master, and the run-up of two discs coupled by a unit."""
+"""Two gears in motion: the integrator, the co-simulation master, and the run-up of two discs coupled by an FMU."""
 
 from __future__ import annotations
 
@@ -180,24 +180,24 @@ def runge_kutta(rate: Rate, time: float, state: Array, step: float, first: Array
 def integrate(
     rate: Rate, state: Array, step: float, count: int, *, every: int = 1, accounts: Callable[[float, Array], Sequence[float]] | None = None
 ) -> Iterator[tuple[float, Array, Array]]:
-    """Runs an assembly by Runge-Kutta 4, for units through Model Exchange.
+    """Runs an assembly by Runge-Kutta 4, for FMUs through Model Exchange.
 
     Parameters
     ----------
     rate
-        Derivative of the state from time, s, and state; evaluates the units.
+        Derivative of the state from time, s, and state; evaluates the FMUs.
     state, step, count
         State at time 0, step in s, number of steps.
     every
         Yields every so many steps, the start and the end included.
     accounts
         Further integrands of time and state, such as powers; called right after `rate` at the same stage, so that the
-        units hold its loads.
+        FMUs hold its loads.
 
     Yields
     ------
     time, state, integrals
-        Of `accounts`, from 0 on. At each yield the units hold the loads of the state.
+        Of `accounts`, from 0 on. At each yield the FMUs hold the loads of the state.
     """
     size = len(state)
     more = accounts or (lambda _time, _state: ())
@@ -226,7 +226,7 @@ def cosimulate(
     *,
     late: bool | None = None,
 ) -> Iterator[tuple[float, State]]:
-    """Steps a unit and the bodies on it, which exchange at communication points.
+    """Steps an FMU and the bodies on it, which exchange at communication points.
 
     Parameters
     ----------
@@ -272,10 +272,10 @@ def run_up(
     step_s: float | None = None,
     parameters: Mapping[str, float | bool | str] | None = None,
 ) -> RunUp:
-    """Sweeps the speed of two discs that a unit couples evenly up and down again, so that both branches of a jump show.
+    """Sweeps the speed of two discs that an FMU couples evenly up and down again, so that both branches of a jump show.
 
     Both discs turn freely about fixed axes. The drive brings the torque and what speeds the discs up, so that the teeth
-    carry the same mean torque at every speed. The unit steps first and predicts its loads (`coupling` = sequential).
+    carry the same mean torque at every speed. The FMU steps first and predicts its loads (`coupling` = sequential).
 
     Parameters
     ----------
@@ -330,7 +330,7 @@ def run_up(
 
 
 class _Discs:
-    """Two discs on a unit; their state is angle and rate of each beside the mean motion."""
+    """Two discs on an FMU; their state is angle and rate of each beside the mean motion."""
 
     def __init__(self, pair: GearPair, inertias: tuple[float, float], torque: float, approach: float, step: float) -> None:
         """Starts in equilibrium: `approach`, m, on the pitch circle."""

@@ -119,7 +119,7 @@ class Ledger:
         Parameters
         ----------
         pairs
-            The units, with the loads of the instant; their outputs are not those any more afterwards.
+            The FMUs, with the loads of the instant; their outputs are not those any more afterwards.
         kinetic, stored, lost, fed
             Energies, J: of motion, of all springs but the meshes, lost and fed in so far.
         stray
@@ -140,7 +140,7 @@ class Ledger:
         -------
         dict
             `energy over mesh`: span of the energy's sum over the largest energy in the meshes (soft springs may hold many
-            times that); `loads`: the largest sum of a unit's loads over its force; `momentum`, where it was entered: the largest
+            times that); `loads`: the largest sum of an FMU's loads over its force; `momentum`, where it was entered: the largest
             stray over the impulse of the largest mesh force over the run.
         """
         total, mesh = np.array(self._rows).T
@@ -164,7 +164,7 @@ def balance(
     Parameters
     ----------
     pairs
-        The units, through Model Exchange.
+        The FMUs, through Model Exchange.
     rate, start, step
         As in `integrate`.
     duration

@@ -1,4 +1,4 @@
-"""The unit in exudyn: one object over the nodes of both gear bodies.
+"""The FMU in exudyn: one object over the nodes of both gear bodies.
 
 A multibody program asks for forces at every stage of its integrator, with states that it may reject later. Model
 Exchange allows that. In co-simulation the FMU steps between the steps of the integrator, which holds its loads over each.
@@ -16,7 +16,7 @@ from .poses import generalised, place
 
 
 def attach(mbs: Any, pair: GearPair, nodes: Sequence[Any], positions: Sequence[Sequence[float]]) -> int:
-    """Adds the forces of a unit between two nodes.
+    """Adds the forces of an FMU between two nodes.
 
     exudyn's Tait-Bryan angles are the FMU's Cardan angles x-y-z, so coordinates and inputs differ by the nodes' reference
     positions alone.

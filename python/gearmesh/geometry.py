@@ -1,4 +1,4 @@
-"""Transverse geometry of a pair in closed form, from what its unit says of it; SI."""
+"""Transverse geometry of a pair in closed form, from what its FMU says of it; SI."""
 
 from __future__ import annotations
 

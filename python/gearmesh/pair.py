@@ -1,4 +1,4 @@
-"""One instance of a gearmesh unit, driven through fmpy and ctypes."""
+"""One instance of a gearmesh FMU, driven through fmpy and ctypes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .unpacked import Unpacked
 WARNING = 1  # fmi2Status: what is above was refused
 INTERFACES = {"co-simulation": FMU2Slave, "model-exchange": FMU2Model}
 SCALARS = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
-# The unit always logs with the format "%s" and one text.
+# The FMU always logs with the format "%s" and one text.
 TEXT = ctypes.c_char_p
 LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, TEXT, ctypes.c_int, TEXT, TEXT, TEXT)
 
@@ -76,7 +76,7 @@ class GearPair:
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=Path(fmu).stem,
         )
-        # fmpy's own callbacks print; these keep the causes of refusals. The unit needs no other callback.
+        # fmpy's own callbacks print; these keep the causes of refusals. The FMU needs no other callback.
         self._log = log = deque[str](maxlen=8)
 
         @LOGGER

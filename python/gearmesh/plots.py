@@ -1,4 +1,7 @@
-"""Plots of the package's results by matplotlib, in one style; the rest of the package does without it."""
+"""Plots of the package's results by matplotlib, in one style; the rest of the package does without it.
+
+Where matplotlib is not installed, all of them raise GearmeshError.
+"""
 
 from __future__ import annotations
 
@@ -44,11 +47,6 @@ def figure(columns: int = 1, width: float | None = None, height: float = 4.2, **
     -------
     figure, axes
         Of matplotlib; an array of axes where there are several.
-
-    Raises
-    ------
-    GearmeshError
-        matplotlib is not installed.
     """
     try:
         from matplotlib import pyplot, rc_context
@@ -85,11 +83,6 @@ def plot_cycle(cycle: MeshCycle, axes: Axes | None = None, **line: Any) -> Axes:
     Returns
     -------
     Axes
-
-    Raises
-    ------
-    GearmeshError
-        matplotlib is not installed.
     """
     axes = axes or figure()[1]
     axes.plot(cycle.mesh_position, cycle.ste_loa_um, **{"label": f"{cycle.torque_nm:g} N m"} | line)
@@ -115,11 +108,6 @@ def plot_run_up(run: RunUp, signal: str = "transmission_error_um", axes: Axes | 
     Returns
     -------
     Axes
-
-    Raises
-    ------
-    GearmeshError
-        matplotlib is not installed.
     """
     axes = axes or figure()[1]
     for history, name, color in ((run.up, "run-up", BLUE), (run.down, "run-down", RED)):
@@ -145,11 +133,6 @@ def plot_orders(found: Orders, axes: Axes | None = None, reference: float | None
     Returns
     -------
     Axes
-
-    Raises
-    ------
-    GearmeshError
-        matplotlib is not installed.
     """
     axes = axes or figure()[1]
     for order, amplitude in zip(found.order, found.amplitude.T):
@@ -178,11 +161,6 @@ def plot_campbell(found: Campbell, axes: Axes | None = None, reference: float = 
     Returns
     -------
     Axes
-
-    Raises
-    ------
-    GearmeshError
-        matplotlib is not installed.
     """
     axes = axes or figure()[1]
     level = found.level_db(reference).T

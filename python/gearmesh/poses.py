@@ -33,12 +33,12 @@ def cardan_axes(angles: Array) -> Array:
 
 
 def place(pair: GearPair, q: Sequence[float], q_t: Sequence[float], reference: Sequence[Sequence[float]]) -> None:
-    """Writes the inputs of a unit from the coordinates of a node on the axis of each gear in its z = 0 face.
+    """Writes the inputs of an FMU from the coordinates of a node on the axis of each gear in its z = 0 face.
 
     Parameters
     ----------
     pair
-        The unit.
+        The FMU.
     q, q_t : (12,)
         Displacement, m, and Cardan angles, rad, of the node of gear 1, then of gear 2, and their rates; plain floats are quickest.
     reference : (2, 3)
@@ -61,7 +61,7 @@ def generalised(y: Sequence[float], q: Sequence[float]) -> Array:
     Parameters
     ----------
     y : (12,)
-        Force and moment on gear 1, then on gear 2, world axes, N and N m: the first outputs of a unit.
+        Force and moment on gear 1, then on gear 2, world axes, N and N m: the first outputs of an FMU.
     q : (12,)
         As in `place`.
 

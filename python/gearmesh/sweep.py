@@ -63,7 +63,7 @@ def sweep(
     batch
         Number of cases in a task.
     identity
-        Of whatever the results depend on beside the cases, such as unit and code; another one begins anew.
+        Of whatever the results depend on beside the cases, such as FMU and code; another one begins anew.
     progress
         Called with how many cases are done, of how many.
 

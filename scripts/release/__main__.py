@@ -44,7 +44,7 @@ def fmus() -> None:
 
 
 def held(pair: str) -> Path:
-    """A unit for inputs that are given: the outputs of a step are those of its inputs."""
+    """An FMU for inputs that are given: the outputs of a step are those of its inputs."""
     fmu = ROOT / "target" / "held" / f"{pair}.fmu"
     fmu.parent.mkdir(exist_ok=True)
     tables = ROOT / "resources" / "tables" / f"{pair}.json"

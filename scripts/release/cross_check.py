@@ -28,7 +28,7 @@ README = """# {name}
 Contact of the gear pair {name}, made by gearmesh {version} for FMI 2.0, Model Exchange and Co-Simulation.
 `{name}_in.csv` turns gear 1 by a quarter of a revolution; gear 2 follows under {torque:g} N m, tilts out and back by
 0.1 mrad, and the centre distance grows and shrinks by 20 um. `{name}_ref.csv` holds every Real output as gearmesh itself
-computes it; {rows}. The unit has no states of its own, and the times are multiples of 2^-14 s, exact in binary:
+computes it; {rows}. The FMU has no states of its own, and the times are multiples of 2^-14 s, exact in binary:
 a tool that hands over the inputs as they stand, without interpolating between rows, finds these outputs to rounding.
 """
 ROWS = {
@@ -49,7 +49,7 @@ def held(rows: np.ndarray) -> np.ndarray:
 
 
 def write(fmu: Path, scenario: Scenario, rows: np.ndarray, interface: str, out: Path) -> None:
-    """The files for one unit and one interface."""
+    """The files for one FMU and one interface."""
     name = fmu.stem
     out.mkdir(parents=True)
     shutil.copy(fmu, out)
@@ -68,7 +68,7 @@ def write(fmu: Path, scenario: Scenario, rows: np.ndarray, interface: str, out: 
 
 
 def material(fmus: list[Path], out: Path) -> None:
-    """For each unit, interface and platform a folder as the FMI project names it."""
+    """For each FMU, interface and platform a folder as the FMI project names it."""
     for fmu in fmus:
         scenario = revolution(fmu, nominal_torque(fmu), 0.25, STEPS)
         rows = reference(fmu, scenario, outputs(fmu))

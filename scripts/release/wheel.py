@@ -15,8 +15,8 @@ SUMMARY = "Gear contact element for multibody and system simulation: tooth conta
 DESCRIPTION = """\
 From the drawing of a spur or helical gear pair, external or internal, the command `gearmesh` computes the static tooth contact in three
 dimensions, tabulates it over load, mesh position, centre distance and misalignment, and packs the tables with a compiled element
-into a Functional Mock-up Unit (FMI 2.0, model exchange and co-simulation) for Linux and Windows. A simulator hands the unit the poses and
-velocities of both gears; the unit returns contact force, moment and contact point.
+into a Functional Mock-up Unit (FMI 2.0, model exchange and co-simulation) for Linux and Windows. A simulator hands the FMU the poses and
+velocities of both gears; the FMU returns contact force, moment and contact point.
 
 ```sh
 gearmesh new --teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 -o pair.json

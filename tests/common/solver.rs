@@ -1,14 +1,36 @@
 //! What tests of several modules share.
 
+#![allow(dead_code)] // none needs all of it
+
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Gear;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh_preprocessor::finite_element::{FiniteElementCompliance, Settings};
+use gearmesh_preprocessor::finite_element::{
+    FiniteElementCompliance, ModelCache, PairCompliance, Settings,
+};
+use gearmesh_preprocessor::table::Watch;
 use std::collections::HashMap;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
+static GO_ON: AtomicBool = AtomicBool::new(false);
+
+/// Neither shows progress nor ends early.
+pub const QUIET: Watch = Watch {
+    progress: &|_, _| (),
+    cancel: &GO_ON,
+};
+
 type Kept = Arc<OnceLock<Arc<FiniteElementCompliance>>>;
+
+/// Defaults but for the number of stations along the face.
+pub fn with_stations(stations: usize) -> ContactSettings {
+    ContactSettings {
+        stations,
+        ..ContactSettings::default()
+    }
+}
 
 /// Solver of `pair` on coarse finite elements. Their models are kept, since most tests ask for the same few.
 pub fn coarse_solver(pair: &Pair, contact: ContactSettings) -> ContactSolver {
@@ -22,6 +44,18 @@ pub fn coarse_solver(pair: &Pair, contact: ContactSettings) -> ContactSolver {
         model
     });
     ContactSolver::new(pair, compliance, contact).unwrap()
+}
+
+/// Solver of `pair` on finite elements as `settings` say, from `cache` where they are there.
+pub fn solver(
+    pair: &Pair,
+    settings: &Settings,
+    cache: Option<&ModelCache>,
+    contact: ContactSettings,
+) -> ContactSolver {
+    let models = PairCompliance::new(&pair.geometry, settings, cache, &|_, _, _| true);
+    let [first, second] = models.unwrap().gears;
+    ContactSolver::new(pair, [first, second], contact).unwrap()
 }
 
 fn kept(gear: &Gear, settings: &Settings) -> Arc<FiniteElementCompliance> {

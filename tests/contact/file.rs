@@ -7,10 +7,7 @@ use std::sync::Arc;
 fn small_file() -> ContactFile {
     let text = include_str!("../../resources/pairs/palermo2013.json");
     let pair = pair::from_json(text).unwrap();
-    let settings = ContactSettings {
-        stations: 4,
-        ..ContactSettings::default()
-    };
+    let settings = with_stations(4);
     contact_file(&pair, &coarse_solver(&pair, settings)).unwrap()
 }
 

@@ -139,27 +139,3 @@ fn modified_pairs_are_solved_at_every_load_of_theirs() {
         assert!(cycle(pair, 40, torque).kkt_residual() < 1e-8);
     }
 }
-
-#[test]
-fn the_smallest_pair_file_is_solved_up_to_its_limits() {
-    // docs/pair-file.md
-    let file = |more: &str| {
-        format!(
-            r#"{{ "name": "first-pair", "meshing": "external", "normal_module_mm": 3.0,
-                 "normal_pressure_angle_deg": 20.0,
-                 "gear1": {{ "teeth": 24, "face_width_mm": 20.0, {more} }},
-                 "gear2": {{ "teeth": 36, "face_width_mm": 20.0, {more} }},
-                 "operating": {{ "nominal_torque_nm": 100.0, "maximum_torque_nm": 200.0,
-                   "center_distance_offset_um": [-20.0, 50.0], "misalignment_mrad": [-1.0, 1.0] }} }}"#
-        )
-    };
-    for more in [
-        r#""profile_crowning_um": 150.0"#,
-        r#""bore_diameter_mm": 1.0"#,
-    ] {
-        let pair = pair::from_json(&file(more)).unwrap();
-        for torque in [10.0, 100.0, 200.0] {
-            assert!(cycle(&pair, 40, torque).kkt_residual() < 1e-8, "{more}");
-        }
-    }
-}

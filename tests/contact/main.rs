@@ -23,4 +23,4 @@ use gearmesh::contact::*;
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::*;
 use gearmesh_preprocessor::pair;
-use solver::coarse_solver;
+use solver::{coarse_solver, with_stations};

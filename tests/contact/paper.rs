@@ -53,13 +53,7 @@ fn misalignment_moves_the_contact_to_the_closing_side_and_the_mean_ste_down() {
     // Fig. 23: the teeth of the misaligned pair carry the load at a negative transmission error.
     assert!(plus.mean_ste() < 0.0 && aligned.mean_ste() > 12e-6);
     // Twice the stations change nothing that matters.
-    let finer = paper_solver(
-        MODIFIED,
-        ContactSettings {
-            stations: 80,
-            ..Default::default()
-        },
-    );
+    let finer = paper_solver(MODIFIED, with_stations(80));
     let change = cycle(&finer, 100.0, 0.0).mean_ste() / aligned.mean_ste() - 1.0;
     assert!(change.abs() < 5e-3, "{change}");
 }

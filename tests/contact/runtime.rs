@@ -15,11 +15,7 @@ const PAIRS: [&str; 3] = [
 /// A pair, its solver on coarse finite elements and its condensed model on `flank`.
 fn condensed(text: &str, flank: Flank) -> (Pair, ContactSolver, CondensedFlank) {
     let pair = pair::from_json(text).unwrap();
-    let settings = ContactSettings {
-        stations: 16,
-        ..ContactSettings::default()
-    };
-    let solver = coarse_solver(&pair, settings).at_run_time();
+    let solver = coarse_solver(&pair, with_stations(16)).at_run_time();
     let [low, high] = pair.operating.center_distance_offset;
     let condensed = condensed_flank(&solver, flank, &[low, 0.5 * (low + high), high]).unwrap();
     (pair, solver, condensed)

@@ -15,13 +15,7 @@ fn few_stations_at_run_time_say_what_many_do() {
     ];
     for (text, bound) in pairs {
         let pair = pair::from_json(text).unwrap();
-        let solver = |stations| {
-            let settings = ContactSettings {
-                stations,
-                ..ContactSettings::default()
-            };
-            coarse_solver(&pair, settings)
-        };
+        let solver = |stations| coarse_solver(&pair, with_stations(stations));
         let (few, many) = (solver(40).at_run_time(), solver(160));
         assert!(few.settings().stations < 24);
         let operating = &pair.operating;

@@ -24,11 +24,7 @@ struct Ready {
 impl Ready {
     fn new(text: &str) -> Ready {
         let pair = pair::from_json(text).unwrap();
-        let settings = ContactSettings {
-            stations: 12,
-            ..ContactSettings::default()
-        };
-        let solver = coarse_solver(&pair, settings);
+        let solver = coarse_solver(&pair, with_stations(12));
         let [low, high] = pair.operating.center_distance_offset;
         let offsets = [low, 0.5 * (low + high), high];
         let condensed = condensed_flank(&solver, Flank::Drive, &offsets).unwrap();

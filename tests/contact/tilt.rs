@@ -121,27 +121,3 @@ fn a_tilt_closes_helical_flanks_as_two_exact_helicoids() {
         }
     }
 }
-
-#[test]
-fn a_milliradian_closes_along_the_normal_as_another_program_measures_it() {
-    // 18 degrees, 12 mm below mid-face: the signed distance of two helicoids there is 12.540 um.
-    let pair = pair::from_json(&text("external", 18.0, false)).unwrap();
-    let (g, z) = (&pair.geometry, -12e-3);
-    let solver = coarse_solver(&pair, ContactSettings::default());
-    // Linear along the contact line through the pitch point.
-    let problem = solver.position(Flank::Drive, 0.0, 0.0).unwrap();
-    let mut on_line = problem
-        .candidates()
-        .iter()
-        .filter(|segment| segment.tooth_pair == 0 && segment.arms == [1.0; 2]);
-    let segment = on_line.next().unwrap();
-    let ([z0, .., z1], [l0, .., l1]) = (segment.points(), segment.levers);
-    let lever = l0 + (l1 - l0) * (g.z_ref() + z - z0) / (z1 - z0);
-    for closing in [
-        1e-3 * lever,
-        Helicoids::new(g, Flank::Drive, 0.0).closing(z, 1e-3),
-    ] {
-        let along_normal = closing * g.base_helix_angle().cos();
-        assert!((1e6 * along_normal + 12.540).abs() < 0.05, "{along_normal}");
-    }
-}

@@ -1,4 +1,4 @@
-"""The units that the tests drive, packed once."""
+"""The FMUs that the tests drive, packed once."""
 
 import json
 import math
@@ -12,7 +12,7 @@ GEARMESH = ROOT / "target" / "release" / "gearmesh"
 PAIRS, TABLES = ROOT / "resources" / "pairs", ROOT / "resources" / "tables"
 SHIPPED = ("fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84")
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path[:0] = [str(Path(__file__).parent), str(ROOT)]
 
 import gearmesh  # noqa: E402
 from host import Unit  # noqa: E402
@@ -55,12 +55,20 @@ def fmus(tmp_path_factory):
 
 
 # Quick tables: coarse finite elements, kept for all tests, on few stations. `cycle` has mesh position and load
-# alone, on the default grid, sliding and root stress; `all` has the centre distance and the misalignment, too, on a
+# alone, on the default grid, sliding, root stress and contact at run time; `all` has the centre distance and the misalignment, too, on a
 # coarse one.
 COARSE = {"refinement": "coarse", "cache_dir": ROOT / "target" / "tmp" / "elastic-models"}
 QUICK = {**COARSE, "stations": 12}
 ALIGNED = {"no_center_distance": True, "no_misalignment": True}
-GRIDS = {"cycle": {**ALIGNED, "friction": True, "root_stress": True}, "all": {"max_error": 0.02}}
+GRIDS = {"cycle": {**ALIGNED, "friction": True, "root_stress": True, "contact": True}, "all": {"max_error": 0.02}}
+
+
+def tabulated_pairs():
+    """Those of the FMUs with tables: the flanks of the external one differ by a lead slope."""
+    pairs = {name: pair_files()[name] for name in ("external", "ring2")}
+    for gear in ("gear1", "gear2"):
+        pairs["external"][gear]["lead_slope_um"] = 8.0
+    return pairs
 
 
 @pytest.fixture(scope="session")
@@ -68,8 +76,8 @@ def table_fmus(tmp_path_factory):
     """FMU files with tables by pair and grid, as `external-cycle`."""
     folder = tmp_path_factory.mktemp("tables")
     return {
-        f"{name}-{grid}": gearmesh.build(pair_files()[name], folder / f"{name}-{grid}.fmu", **QUICK, **options)
-        for name in ("external", "ring2")
+        f"{name}-{grid}": gearmesh.build(pair, folder / f"{name}-{grid}.fmu", **QUICK, **options)
+        for name, pair in tabulated_pairs().items()
         for grid, options in GRIDS.items()
     }
 
@@ -99,13 +107,13 @@ units, table_units = map(unpacked, ("fmus", "table_fmus"))
 
 @pytest.fixture
 def mesh(units):
-    """Makes instances of a unit and frees them after the test."""
+    """Makes instances of an FMU and frees them after the test."""
     yield from instances(units)
 
 
 @pytest.fixture
 def table_mesh(table_units):
-    """As `mesh`, of the units with tables."""
+    """As `mesh`, of the FMUs with tables."""
     yield from instances(table_units)
 
 
@@ -122,7 +130,7 @@ def instances(units):
 
 
 def oscillator(folder, swing):
-    """A unit of y'' + k(t) max(y, 0) = 1 with k = 4.9e8 N/m (1 + `swing` cos(mesh position)) on the line of action, without damping."""
+    """An FMU of y'' + k(t) max(y, 0) = 1 with k = 4.9e8 N/m (1 + `swing` cos(mesh position)) on the line of action, without damping."""
     pair = PAIRS / "palermo2013-unmodified.json"
     radius = 38.4567147e-3  # of the base circles
     rows = ["torque_nm,mesh_position,center_distance_offset_um,misalignment_mrad,ste_loa_um,contact_z_mm"]

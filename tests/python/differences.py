@@ -37,36 +37,47 @@ def evaluate(instance, outputs):
     return np.array(list(data))
 
 
-def check_derivatives(instance, values, outputs, rng, step=2e-7):
-    """Each output by each input at `values` within 1e-6 of the largest of one kind of input.
+def jacobian(instance, inputs, outputs):
+    return np.array([directional(instance, outputs, [name], [1.0]) for name in inputs]).T
 
-    `step` (m, rad) is that of the differences, short enough to stay between the nodes of a table.
-    """
-    inputs = list(values)
-    instance.set(values)
-    jacobian = np.array([directional(instance, outputs, [n], [1.0]) for n in inputs]).T
-    numeric = np.zeros_like(jacobian)
-    for j, name in enumerate(inputs):
-        # Sixth-order differences; steps small against the elongation and large against rounding.
+
+def by_differences(instance, values, outputs, step):
+    """The same at `values` by sixth-order differences, `step` (m, rad) apart: small against the elongation, large against rounding."""
+    columns = []
+    for name, value in values.items():
         h = 1e-3 if "elocity" in name else step
         at = {}
         for k in (-3, -2, -1, 1, 2, 3):
-            instance.set({name: values[name] + k * h})
+            instance.set({name: value + k * h})
             at[k] = evaluate(instance, outputs)
-        numeric[:, j] = (45 * (at[1] - at[-1]) - 9 * (at[2] - at[-2]) + at[3] - at[-3]) / (60 * h)
-        instance.set({name: values[name]})
+        columns.append((45 * (at[1] - at[-1]) - 9 * (at[2] - at[-2]) + at[3] - at[-3]) / (60 * h))
+        instance.set({name: value})
+    return np.array(columns).T
+
+
+def columns_by_kind(inputs):
+    """Numbers of the inputs that are measured in one unit: with the largest among them an error is compared."""
+    kinds = ("position", "angles", "quaternion", "velocity", "angularVelocity")
+    found = {kind: [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)] for kind in kinds}
+    return {kind: columns for kind, columns in found.items() if columns}
+
+
+def check_derivatives(instance, values, outputs, rng, step=2e-7):
+    """Each output by each input at `values` within 1e-6 of the largest of one kind of input; `step` stays between the nodes of a table."""
+    inputs = list(values)
+    instance.set(values)
+    exact = jacobian(instance, inputs, outputs)
+    numeric = by_differences(instance, values, outputs, step)
     for i, output in enumerate(outputs):
-        # Within one output, columns of one unit are compared with the largest among them.
-        for kind in ("position", "angles", "quaternion", "velocity", "angularVelocity"):
-            columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
-            scale = np.abs(jacobian[i, columns]).max()
+        for kind, columns in columns_by_kind(inputs).items():
+            scale = np.abs(exact[i, columns]).max()
             # What rounding of the output leaves of a difference.
             h = 1e-3 if "elocity" in kind else step
             floor = 8 * np.spacing(abs(instance.get(output))) / h + 1e-9
-            error = np.abs(numeric[i, columns] - jacobian[i, columns]).max()
+            error = np.abs(numeric[i, columns] - exact[i, columns]).max()
             assert error <= 1e-6 * scale + floor, (output, kind, error, scale)
     # A direction is the sum of its parts.
     seed = rng.normal(size=len(inputs))
     along = directional(instance, outputs, inputs, seed)
-    rounding = 1e-12 * np.abs(jacobian) @ np.abs(seed) + 1e-13 * np.abs(evaluate(instance, outputs))
-    assert np.all(np.abs(along - jacobian @ seed) <= rounding)
+    rounding = 1e-12 * np.abs(exact) @ np.abs(seed) + 1e-13 * np.abs(evaluate(instance, outputs))
+    assert np.all(np.abs(along - exact @ seed) <= rounding)

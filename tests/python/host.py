@@ -1,16 +1,18 @@
-"""A host for the tests: the unit's C interface through fmpy, with names and its own logger.
+"""A host for the tests: the FMU's C interface through fmpy, with names and its own logger.
 
 fmpy's logger proxy must not be mixed with other callbacks in one process, so the tests bring their
-own callbacks everywhere. The unit logs through the format "%s" with one string; on the machines the
+own callbacks everywhere. The FMU logs through the format "%s" with one string; on the machines the
 tests run on, a variadic argument arrives like an ordinary one, so the logger takes six arguments.
 """
 
 import ctypes
+import json
 import shutil
 from pathlib import Path
 
 from fmpy import extract, freeLibrary, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
+from gearmesh.geometry import Geometry
 from gearmesh.pair import LOGGER
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -37,6 +39,7 @@ class Unit:
         self.folder = str(extract(str(fmu), unzipdir=None if folder is None else str(folder)))
         self.description = read_model_description(self.folder)
         self.variables = {v.name: v for v in self.description.modelVariables}
+        self.geometry = Geometry.of_unit(json.loads(Path(self.folder, "resources", "unit.json").read_text())["geometry"])
 
     def instance(self, **options):
         return Instance(self, **options)

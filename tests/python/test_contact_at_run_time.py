@@ -1,46 +1,26 @@
 """Static contact solved at every evaluation: against the tables of the same pair, and against itself."""
 
-import json
-
-import gearmesh
 import numpy as np
 import pytest
-from conftest import ALIGNED, FORMULATIONS, PAIRS, QUICK, instances, pair_files
-from gearmesh import GearPair
-from host import Unit
-from scipy.optimize import brentq
+from conftest import FORMULATIONS
 from test_tables import press
 
 TABLE, CONTACT, TEETH = 2, 3, 4
 
 
-@pytest.fixture(scope="module")
-def unit(tmp_path_factory):
-    file = tmp_path_factory.mktemp("contact") / "external.fmu"
-    made = {"contact": True, "teeth": True, "friction": True, "root_stress": True}
-    unit = Unit(gearmesh.build(pair_files()["external"], file, **made, **QUICK, **ALIGNED))
-    yield {"external": unit}
-    unit.close()
-
-
-@pytest.fixture
-def solved(unit):
-    yield from instances(unit)
-
-
 def started(make, model, **parameters):
-    instance = make("external")
+    instance = make("external-cycle")
     instance.initialize({"stiffnessModel": model, "damping": 0.0, **parameters})
     return instance
 
 
 @FORMULATIONS
 @pytest.mark.parametrize("flank", [1, 2], ids=["drive", "coast"])
-def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
+def test_contact_at_run_time_is_that_of_the_tables(table_mesh, formulation, flank):
     sign = 1 if flank == 1 else -1
     for phase in np.linspace(0.0, 0.3, 7):
         both = [
-            started(solved, model, formulation=formulation, loadedFlank=flank, meshPhase=phase)
+            started(table_mesh, model, formulation=formulation, loadedFlank=flank, meshPhase=phase)
             for model in (TABLE, CONTACT)
         ]
         for instance in both:
@@ -52,26 +32,8 @@ def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
         assert z[1] == pytest.approx(z[0], abs=0.1)
 
 
-@FORMULATIONS
-def test_friction_and_root_stress_are_those_of_the_tables(solved, formulation):
-    names = ["mesh.lossFactor", "mesh.rootStress1", "mesh.rootStress2"]
-    levels = {}
-    for model in (TABLE, CONTACT, TEETH):
-        found = []
-        for phase in np.arange(10) / 10:
-            instance = started(solved, model, formulation=formulation, meshPhase=phase, friction=1, rootStress=1)
-            press(instance, 1.5e-5)
-            instance.set({"gear1.angularVelocity[3]": 100.0})
-            assert instance.get("mesh.frictionPower") < 0.0
-            found.append([instance.get(name) for name in names])
-        levels[model] = np.array(found)
-    for model in (CONTACT, TEETH):
-        assert levels[model][:, 1:] == pytest.approx(levels[TABLE][:, 1:], rel=0.01)
-        assert levels[model][:, 0].mean() == pytest.approx(levels[TABLE][:, 0].mean(), rel=0.01)
-
-
-def test_contact_at_run_time_has_no_axes_and_no_range(solved):
-    instance = started(solved, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
+def test_contact_at_run_time_has_no_axes_and_no_range(table_mesh):
+    instance = started(table_mesh, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
     press(instance, 1.5e-5)
     before = instance.get("mesh.contactZ")
     c = instance.get("gear2.position[1]")
@@ -84,56 +46,4 @@ def test_contact_at_run_time_has_no_axes_and_no_range(solved):
 
 @pytest.mark.parametrize("model, remedy", [(CONTACT, "gearmesh build --contact"), (TEETH, "gearmesh tables --teeth")])
 def test_a_level_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh, model, remedy):
-    assert remedy in table_mesh("external-cycle").refused({"stiffnessModel": model})
-
-
-def orders(fmu, positions, torque, model):
-    """Amplitudes (um on the line of action) by shaft order of the approach under `torque` over a turn of gear 1."""
-    with GearPair(fmu, {"stiffnessModel": model}, interface="model-exchange") as pair:
-        pair.initialize()
-        approach, ahead = [], 2e-4
-        for turn in -2.0 * np.pi * np.arange(positions) / positions:
-            pair["gear2.angles[3]"] = turn
-
-            def excess(angle, turn=turn):
-                pair["gear1.angles[3]"] = angle - turn
-                pair.evaluate(0.0)
-                return -pair["gear1.moment[3]"] - torque
-
-            ahead = brentq(excess, ahead - 5e-4, ahead + 5e-4, xtol=1e-13)
-            approach.append(ahead)
-        base_radius = 12.0815e-3 * 20 / (2.0 * np.pi)
-        return np.abs(np.fft.rfft(approach)) * 2e6 / positions * base_radius
-
-
-@pytest.fixture(scope="module")
-def toothed(tmp_path_factory):
-    """Units with tables, contact and tooth pairs one by one: all teeth alike, and gear 1 with index errors."""
-    folder = tmp_path_factory.mktemp("teeth")
-    file = json.loads((PAIRS / "palermo2013.json").read_text())
-    units = {}
-    for name, errors in {"alike": {}, "differ": {"drive_flank": {"pitch_class": 6, "seed": 1}}}.items():
-        file["gear1"]["tooth_errors"] = errors
-        units[name] = gearmesh.build(file, folder / f"{name}.fmu", contact=True, teeth=True, **QUICK, **ALIGNED)
-    return units
-
-
-def test_index_errors_show_in_the_fast_level_as_in_contact(toothed):
-    steps = 20 * 8
-    alike = {model: orders(toothed["alike"], steps, 100.0, model) for model in ("table", "teeth", "contact")}
-    differ = {model: orders(toothed["differ"], steps, 100.0, model) for model in ("contact", "teeth")}
-    # Equal teeth: mesh orders alone, those of the table.
-    for model in ("teeth", "contact"):
-        assert alike[model][1:20].max() < 1e-3 < 0.05 < alike[model][20]
-    assert alike["teeth"][[20, 40]] == pytest.approx(alike["table"][[20, 40]], abs=0.01)
-    # Differing teeth: shaft orders and sidebands of the mesh orders appear, which stay.
-    # The teeth stand between -14.6 and 13.4 um: the wave once per revolution goes through nearly whole.
-    for model in ("teeth", "contact"):
-        assert 12.5 < differ[model][1] < 14.0
-        assert differ[model][2:20].min() > 1e-3
-    assert differ["teeth"][[19, 21]].min() > 0.03
-    assert differ["teeth"][20] > 0.05
-    # All orders are those of the static contact itself.
-    assert differ["teeth"][1:61] == pytest.approx(differ["contact"][1:61], abs=0.02)
-
-
+    assert remedy in table_mesh("external-all").refused({"stiffnessModel": model})

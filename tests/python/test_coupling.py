@@ -1,4 +1,4 @@
-"""Predicted loads through a packed unit: the clearance oscillator of the literature at few steps a mesh cycle."""
+"""Predicted loads through a packed FMU: the clearance oscillator of the literature at few steps a mesh cycle."""
 
 import math
 

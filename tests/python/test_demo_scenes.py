@@ -1,16 +1,12 @@
-"""The demo's driver and scenes through packed units, against the paper and closed forms."""
+"""The demo's driver and scenes through packed FMUs, against the paper and closed forms."""
 
 import math
-import sys
 
 import gearmesh
 import numpy as np
 import pytest
-from conftest import COARSE, PAIRS, ROOT
-
-sys.path.insert(0, str(ROOT))
-
-from demo import comparison, scenes  # noqa: E402
+from conftest import COARSE, PAIRS
+from demo import comparison, scenes
 
 PAIR = PAIRS / "palermo2013.json"
 

@@ -1,7 +1,6 @@
 """Short forms of examples/drivelines: the element in assemblies, against closed forms and balances."""
 
 import re
-import sys
 from contextlib import closing
 from dataclasses import replace
 
@@ -12,20 +11,17 @@ from conftest import ROOT
 from gearmesh.energy import mesh_loss
 from scipy.sparse import csc_matrix, hstack, identity
 from scipy.sparse.linalg import spsolve
-
-sys.path.insert(0, str(ROOT))
-
-from examples.drivelines import loss  # noqa: E402
-from examples.drivelines.cosimulation import balance as cosimulation, masters, ssp  # noqa: E402
-from examples.drivelines.housing import cases as housing, walls  # noqa: E402
-from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
-from examples.drivelines.planetary import cases as planetary, phase  # noqa: E402
-from examples.drivelines.planetary.stage import IN_PHASE, PITCH, SEQUENTIAL  # noqa: E402
-from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
-from examples.drivelines.response import jump, linear  # noqa: E402
-from examples.drivelines.sweep import __main__ as study  # noqa: E402
-from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
-from scripts.docs.check import cell  # noqa: E402
+from examples.drivelines import loss
+from examples.drivelines.cosimulation import balance as cosimulation, masters, ssp
+from examples.drivelines.housing import cases as housing, walls
+from examples.drivelines.housing.model import HELICAL, SPUR
+from examples.drivelines.planetary import cases as planetary, phase
+from examples.drivelines.planetary.stage import IN_PHASE, PITCH, SEQUENTIAL
+from examples.drivelines.rattle import idle, mujoco_joint
+from examples.drivelines.response import jump, linear
+from examples.drivelines.sweep import __main__ as study
+from examples.drivelines.tutorial import __main__ as tutorial
+from scripts.docs.check import cell
 
 
 def test_bricks_bend_as_a_free_plate_does():

@@ -9,13 +9,10 @@ import time
 
 import pytest
 from conftest import ROOT
-
-sys.path.insert(0, str(ROOT))
-
-from examples.drivelines.files import shipped  # noqa: E402
-from examples.drivelines.sweep import runs  # noqa: E402
-from examples.drivelines.sweep.__main__ import cases, connect, study  # noqa: E402
-from gearmesh.sweep import finished  # noqa: E402
+from examples.drivelines.files import shipped
+from examples.drivelines.sweep import runs
+from examples.drivelines.sweep.__main__ import cases, connect, study
+from gearmesh.sweep import finished
 
 SCRIPT = f"""
 import sys

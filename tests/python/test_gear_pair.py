@@ -92,7 +92,7 @@ ACCEPTED = {
 def test_parameters_are_set_by_value_number_or_name_and_read_back(fmu, name, expected, value):
     with GearPair(fmu) as plain, GearPair(fmu, {name: value}) as pair:
         assert plain.parameters[name] != expected == pair.parameters[name]
-        # As the unit has it.
+        # As the FMU has it.
         pair.initialize()
         code = pair._scalar("Get", pair._variables[name])
         assert code == {"paper": 1, False: 0}.get(expected, expected)

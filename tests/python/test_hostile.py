@@ -13,7 +13,7 @@ STEP = 1e-5
 
 @pytest.fixture
 def altered(table_fmus, tmp_path):
-    """A copy of a unit with tables whose resources a test may spoil."""
+    """A copy of an FMU with tables whose resources a test may spoil."""
     unit = Unit(table_fmus["external-cycle"], tmp_path / "unit")
     yield unit, tmp_path / "unit" / "resources"
     shutil.rmtree(tmp_path / "unit", ignore_errors=True)

@@ -1,17 +1,12 @@
 """The examples of other hosts, on a short form of their scenario; `python -m examples.hosts` runs the whole."""
 
-import sys
-
 import gearmesh
 import numpy as np
 import pytest
 from conftest import ROOT, TABLES
-
-sys.path.insert(0, str(ROOT))
-
-from examples.hosts import mesh_stiffness  # noqa: E402
-from examples.hosts.compare import HOSTS, run  # noqa: E402
-from examples.hosts.scenario import revolution  # noqa: E402
+from examples.hosts import mesh_stiffness
+from examples.hosts.compare import HOSTS, run
+from examples.hosts.scenario import revolution
 
 
 @pytest.fixture(scope="module")

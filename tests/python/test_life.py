@@ -5,9 +5,10 @@ import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from conftest import FORMULATIONS, COUPLINGS, EXTERNAL_AND_INTERNAL
-from differences import directional, evaluate, variables
+from differences import by_differences, columns_by_kind, evaluate, jacobian, values_of, variables
 from host import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, OK, EventInfo
 
 REAL = ctypes.c_double
@@ -251,38 +252,28 @@ def test_derivatives_in_initialization_are_those_of_the_values(mesh, pair, formu
     choices = {"formulation": formulation, "loadedFlank": 1, "phaseReference": phase}
     instance.expect("fmi2EnterInitializationMode")
     instance.set(choices)
-    values = {n: instance.get(n) for n in inputs}
+    values = values_of(instance, inputs)
     for i, name in enumerate(inputs):
         values[name] += 1e-5 * math.sin(i + 1.0)
     # At zero angles a tooth of gear 1 may face a tooth of gear 2: half a pitch.
     values["gear1.angles[3]"] += 1e-4 - {"external": math.pi / 20, "ring2": math.pi / 27, "ring1": 0.0}[pair]
     instance.set(values)
-    exact = [directional(instance, outputs, [name], [1.0]) for name in inputs]
-    numeric = []
-    for name in inputs:
-        h = 1e-3 if "elocity" in name else 1e-7
-        sides = []
-        for sign in (1, -1):
-            instance.set({name: values[name] + sign * h})
-            sides.append(evaluate(instance, outputs))
-        instance.set({name: values[name]})
-        numeric.append((sides[0] - sides[1]) / (2 * h))
+    exact = jacobian(instance, inputs, outputs)
+    numeric = by_differences(instance, values, outputs, 1e-7)
     # What an output changes by where the phases are held is its scale.
     instance.expect("fmi2ExitInitializationMode")
     instance.set({"gear1.angles[3]": values["gear1.angles[3]"] + 1e-4})
-    held = [directional(instance, outputs, [name], [1.0]) for name in inputs]
+    held = jacobian(instance, inputs, outputs)
     if phase == 1:
         te = outputs.index("mesh.transmissionError")
-        most, scale = (max(abs(column[te]) for column in columns) for columns in (exact, held))
-        assert most < 1e-8 * scale
+        assert np.abs(exact[te]).max() < 1e-8 * np.abs(held[te]).max()
     for row, output in enumerate(outputs):
         # At the touch itself the stiffness jumps, and differences of it say nothing.
         if output == "mesh.stiffness":
             continue
-        for kind in ("position", "angles", "velocity", "angularVelocity"):
-            columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
-            scale = max(abs(held[j][row]) for j in columns) + 1e-3 * abs(instance.get(output)) + 1e-9
-            error = max(abs(exact[j][row] - numeric[j][row]) for j in columns)
+        for kind, columns in columns_by_kind(inputs).items():
+            scale = np.abs(held[row, columns]).max() + 1e-3 * abs(instance.get(output)) + 1e-9
+            error = np.abs(exact[row, columns] - numeric[row, columns]).max()
             assert error <= 2e-6 * scale, (output, kind, error, scale)
 
 

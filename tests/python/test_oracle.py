@@ -1,4 +1,4 @@
-"""The loads of packed units against two helicoids of the tests' own (`oracle.py`), in arbitrary poses."""
+"""The loads of packed FMUs against two helicoids of the tests' own (`oracle.py`), in arbitrary poses."""
 
 import json
 from pathlib import Path
@@ -51,31 +51,20 @@ def make(every_unit):
     yield from instances(every_unit)
 
 
-def rotation(rng):
-    """A random unit quaternion and its matrix."""
-    q = rng.normal(size=4)
-    q /= np.linalg.norm(q)
-    return q, Rotation.from_quat(q, scalar_first=True).as_matrix()
-
-
-def product(p, q):
-    a, u, b, v = p[0], p[1:], q[0], q[1:]
-    return np.r_[a * b - u @ v, a * v + b * u + np.cross(u, v)]
-
-
-def body(name, p, q, v, w):
+def body(name, p, turn, v, w):
     values = {}
-    for quantity, vector in (("position", p), ("quaternion", q), ("velocity", v), ("angularVelocity", w)):
+    quaternion = turn.as_quat(scalar_first=True)
+    for quantity, vector in (("position", p), ("quaternion", quaternion), ("velocity", v), ("angularVelocity", w)):
         values |= {f"{name}.{quantity}[{i + 1}]": x for i, x in enumerate(vector)}
     return values
 
 
 class Poses:
-    """Poses of both gears (position, unit quaternion) anywhere in the world."""
+    """Poses of both gears (position, rotation) anywhere in the world."""
 
     def __init__(self, mesh, rng):
         self.mesh, self.rng = mesh, rng
-        self.world, self.turn_world = rotation(rng)
+        self.world = Rotation.random(rng=rng)
         self.origin = rng.uniform(-0.5, 0.5, 3)
         self.tilt, self.shift = rng.uniform(-2e-3, 2e-3, (2, 2)), rng.uniform(-5e-5, 5e-5, (2, 3))
 
@@ -84,16 +73,14 @@ class Poses:
         mesh, out = self.mesh, []
         spins = turn + slip, -mesh.e * turn * mesh.z[0] / mesh.z[1]
         for i, spin in enumerate(spins):
-            tilted = np.array([1.0, *(0.5 * off * self.tilt[i]), 0.0])
-            q = product(tilted, np.array([np.cos(spin / 2), 0.0, 0.0, np.sin(spin / 2)]))
-            q = product(self.world, q)
+            turned = self.world * Rotation.from_rotvec([*(off * self.tilt[i]), 0.0]) * Rotation.from_rotvec([0.0, 0.0, spin])
             p = np.array([i * mesh.c, 0.0, i * mesh.face_offset]) + off * self.shift[i]
-            out.append((self.turn_world @ p + self.origin, q / np.linalg.norm(q)))
+            out.append((self.world.apply(p) + self.origin, turned))
         return out
 
 
 def matrices(poses):
-    return [(p, Rotation.from_quat(q, scalar_first=True).as_matrix()) for p, q in poses]
+    return [(p, turn.as_matrix()) for p, turn in poses]
 
 
 def inputs(poses, velocities=np.zeros((2, 2, 3))):

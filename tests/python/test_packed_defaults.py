@@ -25,10 +25,10 @@ EVERY_PAIR = pytest.mark.parametrize("name", SHIPPED)
 
 
 class Mesh:
-    """A running unit, by default with packed parameters, and its gears as solid steel discs."""
+    """A running FMU, by default with packed parameters, and its gears as solid steel discs."""
 
     def __init__(self, fmu, coupling="sequential"):
-        # `kept`: as a master that keeps the unit's default.
+        # `kept`: as a master that keeps the FMU's default.
         self.pair = GearPair(fmu, {"coupling": "parallel" if coupling == "kept" else coupling})
         with zipfile.ZipFile(fmu) as archive:
             self.gears = json.loads(archive.read("resources/unit.json"))["geometry"]["gears"]

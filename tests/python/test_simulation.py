@@ -1,4 +1,4 @@
-"""Whole simulations through fmpy, both orientation inputs, both interfaces."""
+"""Loads predicted over steps, rates and derivatives of the outputs, both orientation inputs, both interfaces."""
 
 import ctypes
 import math
@@ -7,56 +7,7 @@ import numpy as np
 import pytest
 from conftest import EXTERNAL_AND_INTERNAL, FORMULATIONS
 from differences import check_derivatives, directional, evaluate, values_of, variables
-from fmpy import simulate_fmu
 from host import DISCARD, MODEL_EXCHANGE, OK, EventInfo
-from test_tables import Geometry
-
-OUTPUTS = ["gear1.force[2]", "gear1.moment[3]", "gear2.moment[3]", "mesh.transmissionError", "mesh.position"]
-
-
-def signals(times, angle, orientation):
-    """Gear 1 turns by `angle` over time, gear 2 half a permille less."""
-    columns = {}
-    for gear, turn in (("gear1", angle), ("gear2", -angle * (1 - 5e-4))):
-        if orientation == "angles":
-            columns[f"{gear}.angles[3]"] = turn
-        else:
-            columns[f"{gear}.quaternion[1]"] = np.cos(turn / 2)
-            columns[f"{gear}.quaternion[4]"] = np.sin(turn / 2)
-        columns[f"{gear}.angularVelocity[3]"] = np.gradient(turn, times)
-    out = np.zeros(len(times), dtype=[("time", float)] + [(n, float) for n in columns])
-    out["time"] = times
-    for name, values in columns.items():
-        out[name] = values
-    return out
-
-
-def simulate(fmu, orientation, **options):
-    times = np.linspace(0.0, 1e-2, 1001)
-    angle = 20.0 * times + 5e-3 * np.sin(300.0 * times)
-    return simulate_fmu(
-        fmu,
-        stop_time=1e-2,
-        output_interval=1e-5,
-        input=signals(times, angle, orientation),
-        output=OUTPUTS,
-        start_values={"orientationInput": 1 if orientation == "angles" else 2, "damping": 1e3},
-        **options,
-    )
-
-
-def test_both_orientation_inputs_give_the_same_simulation(fmus):
-    fmu = str(fmus["external"])
-    one, two = simulate(fmu, "angles"), simulate(fmu, "quaternion")
-    assert len(one) == 1001
-    for name in OUTPUTS[:4]:
-        scale = np.abs(one[name]).max()
-        assert scale > 0
-        # Interpolated quaternions are not quite those of interpolated angles: 1 um of 40 mm.
-        assert np.abs(one[name] - two[name]).max() < 1e-6 * scale, name
-    # The driven gear turns slower, so the drive flank is pressed more and more.
-    assert one["mesh.transmissionError"][-1] > 1e-6
-    assert one["gear2.moment[3]"][-1] == pytest.approx(one["gear1.moment[3]"][-1], rel=1e-12)
 
 
 @EXTERNAL_AND_INTERNAL
@@ -174,7 +125,7 @@ def test_directional_derivatives_are_those_of_differences(mesh, pair, formulatio
     for n in inputs:
         if "quaternion" not in n:
             values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 1e-5)
-    slip = 4e-5 / Geometry(instance.unit).rw[0]
+    slip = 4e-5 / instance.unit.geometry.pitch_radii[0]
     values["gear1.angles[3]"] += slip
     values["gear1.quaternion[4]"] += slip / 2
     instance.set(values)

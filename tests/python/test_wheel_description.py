@@ -6,11 +6,8 @@ import subprocess
 import sys
 from textwrap import dedent
 
-from conftest import GEARMESH, ROOT
-
-sys.path.insert(0, str(ROOT))
-
-from scripts.release.wheel import description  # noqa: E402
+from conftest import GEARMESH
+from scripts.release.wheel import description
 
 
 def test_the_description_names_nothing_that_the_wheel_does_not_hold():

@@ -5,7 +5,7 @@ import subprocess
 import zipfile
 
 import pytest
-from conftest import DIST
+from conftest import DIST, ROOT
 
 LINUX = [DIST / "linux64" / "gearmesh", DIST / "linux64" / "libgearmesh.so"]
 WINDOWS = [DIST / "win64" / "gearmesh.exe", DIST / "win64" / "gearmesh.dll"]
@@ -15,21 +15,8 @@ SYSTEM_DLLS = {
     "advapi32.dll", "msvcrt.dll", "ole32.dll", "oleaut32.dll", "shell32.dll",
 }  # fmt: skip
 OLDEST_GLIBC = (2, 17)
-# The functions of FMI 2.0.5: common, Model Exchange, Co-Simulation.
-FUNCTIONS = {
-    f"fmi2{name}"
-    for name in """
-    GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
-    EnterInitializationMode ExitInitializationMode Terminate Reset
-    GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString
-    GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate
-    GetDirectionalDerivative
-    EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates
-    GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates
-    SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep
-    GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus
-    """.split()
-}
+# All functions of FMI 2.0, as tests/header.rs compares them with the standard's header.
+FUNCTIONS = set(re.findall(r"(fmi2\w+)TYPE", (ROOT / "tests" / "header.rs").read_text()))
 
 
 def dump(*arguments, program="objdump"):

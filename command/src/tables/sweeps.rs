@@ -44,7 +44,8 @@ pub(super) struct Sweeps<'a> {
 }
 
 impl Sweeps<'_> {
-    /// Grids of the drive flank, within `max_error` if there is one, and of a coast flank that needs its own, and their error.
+    /// Grids of the drive flank, within `max_error` if there is one, and of a coast flank that needs its own, on the same axes, and
+    /// their error.
     pub fn flanks(
         &self,
         solver: &WatchedSolver<'_>,
@@ -52,12 +53,15 @@ impl Sweeps<'_> {
     ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), Error> {
         let geometry = &self.pair.geometry;
         let (drive, mut error) = match max_error {
-            None => self.default_grid(solver, Flank::Drive)?,
+            None => {
+                let axes = self.with_misalignments(default_axes(self.coverage));
+                self.grid_on(&axes, solver, Flank::Drive)?
+            }
             Some(bound) => self.watched("static contact", |watch| {
                 table_within(solver, geometry, self.coverage, self.tilt, bound, watch)
             })?,
         };
-        let coast = self.on_own_coast(|flank| self.default_grid(solver, flank))?;
+        let coast = self.on_own_coast(|flank| self.grid_on(&drive.axes, solver, flank))?;
         let coast = coast.map(|(grid, found)| {
             error = error.with(found);
             grid
@@ -71,15 +75,16 @@ impl Sweeps<'_> {
         Ok((drive, coast, error))
     }
 
-    fn default_grid(
+    /// The grid of `flank` on `axes`, and its error at random operating points.
+    fn grid_on(
         &self,
+        axes: &Axes,
         solver: &WatchedSolver<'_>,
         flank: Flank,
     ) -> Result<(FlankGrid, InterpolationError), Error> {
-        let axes = self.with_misalignments(default_axes(self.coverage));
         let largest = self.coverage.maximum_torque;
         let grid = self.watched("static contact", |watch| {
-            sweep(solver, flank, &axes, largest, watch)
+            sweep(solver, flank, axes, largest, watch)
         })?;
         let table = &FlankTable::new(&grid, Interpolation::Spline)?;
         let (geometry, coverage, points) = (&self.pair.geometry, self.coverage, HELD_OUT_POINTS);

@@ -54,7 +54,7 @@ class Gears:
         self.pair.close()
 
     def jacobian(self) -> np.ndarray:
-        """Derivatives of the loads by the state of the shafts at the last one: the unit's directional derivatives."""
+        """Derivatives of the loads by the state of the shafts at the last one: the FMU's directional derivatives."""
         return np.array(self.pair.derivatives(OUT, IN + RATES))
 
 
@@ -116,8 +116,8 @@ def communication_points(gears: Gears, begin, size: float, coupling: str, damped
     """Yields at each communication point the states of shafts and housing, and the impulse handed to the seats so far, N s.
 
     `held`: everyone steps on the values of the last communication point; `parallel`: so, too, but the loads are those
-    of the poses one point earlier, since the unit steps beside the others; `predicted sequential`, `predicted parallel`: with the
-    loads that the unit predicts for either; `extrapolated`: on lines through the values of the last two; `iterated`: on lines to the
+    of the poses one point earlier, since the FMU steps beside the others; `predicted sequential`, `predicted parallel`: with the
+    loads that the FMU predicts for either; `extrapolated`: on lines through the values of the last two; `iterated`: on lines to the
     values at the end of the step, found by Newton's method."""
     if coupling in ("extrapolated", "iterated"):
         yield from on_lines(gears, begin, size, coupling == "iterated", damped)
@@ -190,7 +190,7 @@ def sensitivity(gears: Gears, shafts: sub.Linear, housing: sub.Linear, size: flo
 
 
 def packed_step() -> float:
-    """The step that the unit of the gears recommends, s."""
+    """The step that the FMU of the gears recommends, s."""
     return float(fmpy.read_model_description(str(shipped("helical-25-47"))).defaultExperiment.stepSize)
 
 

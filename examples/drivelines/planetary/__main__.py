@@ -17,7 +17,7 @@ def harmonics(values: np.ndarray) -> np.ndarray:
 
 
 def main() -> None:
-    print(f"lag of the ring mesh, pitch points: {phase.at_pitch_points():.4f} in closed form, {cases.measured_phase():.4f} from the units")
+    print(f"lag of the ring mesh, pitch points: {phase.at_pitch_points():.4f} in closed form, {cases.measured_phase():.4f} from the FMUs")
     for point, standard in phase.conventions(phase.STANDARD).items():
         print(f"| {point} | {standard:.4f} | {phase.conventions(phase.FITTED)[point]:.4f} |")
     print(f"published: {phase.PUBLISHED}")

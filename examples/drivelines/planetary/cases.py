@@ -17,7 +17,7 @@ FLOATING = 1e6  # N/m, the support left to a floating sun: 10 N at 10 um
 
 
 def measured_phase() -> float:
-    """Lag of the ring mesh behind the sun mesh from the units' mesh positions, at a hundredth of the torque."""
+    """Lag of the ring mesh behind the sun mesh from the FMUs' mesh positions, at a hundredth of the torque."""
     with Stage() as stage:
         stage.equilibrium(0.0, TORQUE / 100.0)
         sun, ring = (pair["mesh.position"] for pair in stage.meshes[0])

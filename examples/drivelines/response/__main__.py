@@ -29,7 +29,7 @@ def main() -> None:
         for support, name, colour in ((ONE, "one freedom", "C0"), (SIX, "six freedoms", "C1")):
             left.loglog(frequencies, 1e6 * closed_form(support, frequencies), color=colour, label=f"{name}, closed form")
             found = np.array(list(pool.map(measured, repeat(support), points)))
-            left.loglog(points, 1e6 * found, "o", color=colour, label=f"{name}, through the unit")
+            left.loglog(points, 1e6 * found, "o", color=colour, label=f"{name}, through the FMU")
             error = np.abs(found / closed_form(support, points) - 1.0)
             print(f"{name}: resonances {np.round(eigenfrequencies(support))} Hz; largest deviation {100 * error.max():.2f} %")
         left.xaxis.set_minor_formatter(lambda value, _: f"{value:.0f}" if f"{value:.0e}"[0] in "25" else "")

@@ -1,4 +1,4 @@
-"""Gear 1 held, gear 2 on springs in some of its six freedoms: in time through the unit, and in closed form."""
+"""Gear 1 held, gear 2 on springs in some of its six freedoms: in time through the FMU, and in closed form."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def eigenfrequencies(support: Support) -> np.ndarray:
 
 
 class Assembly:
-    """Gear 2 on its support under the swinging torque, gear 1 held, in time through the unit."""
+    """Gear 2 on its support under the swinging torque, gear 1 held, in time through the FMU."""
 
     def __init__(self, support: Support, pair: GearPair, frequency: float):
         self.mass, self.stiffness, self.damping = support.matrices()
@@ -121,7 +121,7 @@ def assembled(support: Support, frequency: float, damping: float = DAMPING):
 
 
 def measured(support: Support, frequency: float, points: int = 48) -> float:
-    """The same through the unit: Runge-Kutta 4 until transients have died out, then a Fourier sum over whole periods."""
+    """The same through the FMU: Runge-Kutta 4 until transients have died out, then a Fourier sum over whole periods."""
     with assembled(support, frequency) as line:
         # Steps of about 2.5 us, well inside the stability limit of the stiffest mode, a whole number in a period.
         count = max(points, round(1.0 / frequency / 2.5e-6))

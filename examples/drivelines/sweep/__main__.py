@@ -56,7 +56,7 @@ def connect(scheduler: str | None, workers: int):
         with Client(scheduler) as client:
             yield client
         return
-    # Processes of one thread: an instance of the unit belongs to one thread at a time.
+    # Processes of one thread: an instance of the FMU belongs to one thread at a time.
     with LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         with Client(cluster) as client:
             yield client

@@ -35,7 +35,7 @@ def relieved() -> Path:
     best = ["--best", "peak_to_peak_ste_loa_um", "--restart"]
     gearmesh.command.run("study", PAIRS / "spur-50-50.json", "--torques-nm", TORQUE, *grid, *best, "-o", folder)
     text = (folder / "best.json").read_text()
-    # A unit is built again where its pair file is newer.
+    # An FMU is built again where its pair file is newer.
     if not out.exists() or out.read_text() != text:
         out.write_text(text)
     return out

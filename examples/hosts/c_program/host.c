@@ -53,7 +53,7 @@ static void *function(const char *name) {
     return f;
 }
 
-/* The unit has said why, through the logger. */
+/* The FMU has said why, through the logger. */
 static void need(int status) {
     if (status > 1) exit(1);
 }
@@ -105,7 +105,7 @@ int main(int count, char **arguments) {
     unsigned *inputs = references(&at, &ins), *outputs = references(&at, &outs);
     double *u = calloc(ins + 1, sizeof *u), *y = calloc(outs + 1, sizeof *y);
     double h = strtod(arguments[5], NULL);
-    const callbacks own = {say, NULL, NULL, NULL, NULL}; /* the unit allocates by itself */
+    const callbacks own = {say, NULL, NULL, NULL, NULL}; /* the FMU allocates by itself */
 
     component mesh = instantiate("mesh", exchange ? 0 : 1, arguments[3], arguments[4], &own, 0, 1);
     if (!mesh || !inputs || !outputs || !u || !y || !line(u, ins)) return 1;

@@ -103,7 +103,7 @@ pub struct CondensedRoots {
     pub reach: usize,
     /// Stations along the face, as of the contact lines.
     pub stations: usize,
-    /// Least and largest length of roll of the loads, m.
+    /// Lengths of roll of the loads at the start of the involute and at the tip, m; falling for a ring.
     pub rolls: [f64; 2],
     /// Change of the length of roll along a contact line over that of z.
     pub roll_by_z: f64,
@@ -139,7 +139,7 @@ impl CondensedRoots {
             && [fillet.radii.len(), fillet.tangents.len()] == [profile; 2]
             && !fillet.z.is_empty()
             && self.reach < 1000
-            && self.rolls[0] < self.rolls[1];
+            && self.rolls[0] != self.rolls[1];
         let teeth = self.reach.checked_mul(2)?.checked_add(1)?;
         let columns = teeth.checked_mul(self.stations)?.checked_mul(ROLLS)?;
         let count = columns.checked_mul(fillet.components())?;

@@ -11,7 +11,7 @@ use super::constants::{Constants, FLANKS};
 use super::dual::{Scalar, fraction, lift, whole_turns, wrap};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Map};
-use super::law::Workspace;
+use super::law::{Extras, Workspace};
 use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
 use super::paper::Carried;
 use super::{Element, Formulation, Parameters};
@@ -271,7 +271,7 @@ impl<T: Scalar> Solution<T> {
         let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
         let mut slopes = Coordinates::default();
-        let (mut sliding, mut root_stress) = ([None; 2], [zero; 2]);
+        let mut extras = [None; 2];
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
@@ -286,8 +286,13 @@ impl<T: Scalar> Solution<T> {
                 flank.misalignment,
                 flank.mesh_position,
             ];
-            let response =
-                law.respond(coordinates, counts, stiffness_slopes, &mut workspace.0[i])?;
+            let response = law.respond(
+                coordinates,
+                counts,
+                stiffness_slopes,
+                &mut workspace.0[i],
+                &mut extras[i],
+            )?;
             out_of_range |= response.out_of_range;
             // The potential is U = (engagement) W.
             let elastic = response.gradient[0] * mesh.factor;
@@ -297,13 +302,6 @@ impl<T: Scalar> Solution<T> {
             out_of_range |= el.have_passed(flank.penetration.re(), q.half_gap.re())?;
             let s = flank.sign;
             flank.elastic = elastic;
-            sliding[i] = response.sliding;
-            for (largest, found) in root_stress
-                .iter_mut()
-                .zip(response.root_stress.into_iter().flatten())
-            {
-                *largest = larger(*largest, found * mesh.factor);
-            }
             flank.arm = response.gradient[2] / response.gradient[0];
             flank.energy = response.energy * mesh.factor;
             flank.stiffness = response.stiffness * mesh.factor * scale;
@@ -340,7 +338,8 @@ impl<T: Scalar> Solution<T> {
                 }
                 let spin = -rates.mesh_angle;
                 let tabulated = || friction.tabulated(i, load, c - k.center_distance);
-                let Some(sliding) = sliding[i].or_else(tabulated) else {
+                let found = extras[i].map(|[a, b, c, d, ..]| [a, b, c, d]);
+                let Some(sliding) = found.or_else(tabulated) else {
                     continue;
                 };
                 let found = friction.on_flank(k, &pose.map, load, sliding, &twist, spin);
@@ -356,9 +355,11 @@ impl<T: Scalar> Solution<T> {
         if let Some(carried) = &pose.carried {
             carried.add_elastic_loads(k, &flanks, &mut loads);
         }
-        if let Some(table) = &el.root_stress {
-            root_stress = tabulated_root_stress(table, k, c, &flanks);
-        }
+        let root_stress = match (el.parameters.root_stress, &el.root_stress) {
+            (false, _) => [zero; 2],
+            (true, Some(table)) => tabulated_root_stress(table, k, c, &flanks),
+            (true, None) => found_root_stress(&extras, mesh.factor),
+        };
         let shown = &flanks[index];
         let reference = &flanks[el.reference_flank];
         let (contact_point, contact_z) = match &pose.carried {
@@ -445,6 +446,16 @@ fn tabulated_root_stress<T: Scalar>(
         }
     }
     largest
+}
+
+/// The same as the sources of both flanks found it, under loads that count `factor` times.
+#[inline(never)]
+fn found_root_stress<T: Scalar>(extras: &[Option<Extras<T>>; 2], factor: T) -> [T; 2] {
+    let stress = |i: usize| {
+        let found = extras.iter().flatten().map(|extras| extras[4 + i] * factor);
+        found.fold(T::from(0.0), larger)
+    };
+    [stress(0), stress(1)]
 }
 
 #[inline]

@@ -81,22 +81,20 @@ pub(crate) struct Law {
     coordinate_factors: [f64; COORDINATES],
     /// Likewise on the gradient.
     gradient_factors: [f64; COORDINATES],
-    /// Whether its source finds [`Extras`] that are asked for: sliding, root stress.
-    finds: [bool; 2],
+    /// Whether its source finds [`Extras`], and they are not off.
+    finds_extras: bool,
     /// -1 on axial positions of a mirrored flank.
     axial_factor: f64,
 }
 
 /// What a source may find beside the potential: share, axial share (m), distance (m) and weight of [`Sliding`], and the stress in the
 /// roots of gear 1 and gear 2, Pa.
-type Extras<T> = [T; 6];
+pub(crate) type Extras<T> = [T; 6];
 
-/// Potential of a source and its extras.
-#[derive(Default)]
-struct Answer {
-    potential: Potential,
+/// Extras as a source finds them.
+struct Found {
     extras: Extras<f64>,
-    /// Slopes of the extras by each coordinate, as far as second derivatives of the potential brought them along.
+    /// Slopes by each coordinate, as far as second derivatives of the potential brought them along.
     slopes: [Option<Extras<f64>>; COORDINATES],
 }
 
@@ -108,10 +106,6 @@ pub(crate) struct Response<T> {
     pub gradient: [T; COORDINATES],
     /// Tangent stiffness on the line of action, N/m.
     pub stiffness: T,
-    /// Share, axial share (m), distance (m) and weight of [`Sliding`]; `None`: they stand in a table, or friction is off.
-    pub sliding: Option<[T; 4]>,
-    /// Stress in the roots of gear 1 and gear 2, Pa; `None`: it stands in a table, or is off.
-    pub root_stress: Option<[T; 2]>,
     /// A coordinate lies outside the table.
     pub out_of_range: bool,
 }
@@ -134,10 +128,11 @@ impl Law {
             },
             coordinate_factors: [1.0, by_distance, if_on(effects.misalignment, sign), 1.0],
             gradient_factors: [1.0, by_distance, if_on(effects.shuttling, sign), 1.0],
-            finds: [
-                effects.friction && matches!(source, Source::Teeth(..) | Source::Contact(_)),
-                effects.root_stress && matches!(source, Source::Contact(_)),
-            ],
+            finds_extras: match source {
+                Source::Teeth(..) => effects.friction,
+                Source::Contact(_) => effects.friction || effects.root_stress,
+                _ => false,
+            },
             axial_factor: sign,
             source,
         }
@@ -184,7 +179,7 @@ impl Law {
 
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC) with the mesh cycles that
     /// passed on either gear. The derivatives of the stiffness are NaN unless `stiffness_slopes` asks for them: they cost
-    /// two evaluations.
+    /// two evaluations. `extras` stay as they are without load, and where they stand in a table or friction and root stress are off.
     /// Errors: the law has no potential there.
     #[inline(always)]
     pub(crate) fn respond<T: Scalar>(
@@ -193,14 +188,17 @@ impl Law {
         counts: Counts,
         stiffness_slopes: bool,
         warm: &mut Warm,
+        extras: &mut Option<Extras<T>>,
     ) -> Result<Response<T>, ElementError> {
         let mut q = coordinates;
         for (q, factor) in q.iter_mut().zip(self.coordinate_factors) {
             *q = *q * factor;
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let answer = self.answer(at, counts, T::CARRIES, warm)?;
-        let w = &answer.potential;
+        let w = match self.finds_extras {
+            true => self.potential_and_extras(at, &q, counts, warm, extras)?,
+            false => self.potential(at, counts, T::CARRIES, warm, &mut None)?,
+        };
         let mut gradient = q;
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q) * self.gradient_factors[i];
@@ -212,16 +210,7 @@ impl Law {
         } else {
             [f64::NAN; COORDINATES]
         };
-        let (mut sliding, mut root_stress) = (None, None);
-        if self.finds != [false; 2] && w.gradient[0] > 0.0 {
-            let [share, axial, distance, weight, first, second] =
-                self.lift_extras(&answer, at, &q, counts, warm)?;
-            sliding = self.finds[0].then_some([share, axial, distance, weight]);
-            root_stress = self.finds[1].then_some([first, second]);
-        }
         Ok(Response {
-            sliding,
-            root_stress,
             energy: lift(w.value, &w.gradient, &q),
             gradient,
             stiffness: lift(w.hessian[0][0], &slopes, &q),
@@ -234,44 +223,52 @@ impl Law {
         [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
     }
 
-    /// The extras of `answer` with their slopes, those that are not known by differences, where `q`, the numbers of the coordinates
-    /// `at`, carries derivatives.
+    /// The potential at the coordinates `at`, and the extras under load with their slopes, those that are not known by differences,
+    /// where `q`, the same as numbers, carries derivatives.
     #[inline(never)]
-    fn lift_extras<T: Scalar>(
+    fn potential_and_extras<T: Scalar>(
         &self,
-        answer: &Answer,
         at: [f64; COORDINATES],
         q: &[T; COORDINATES],
         counts: Counts,
         warm: &mut Warm,
-    ) -> Result<Extras<T>, ElementError> {
+        extras: &mut Option<Extras<T>>,
+    ) -> Result<Potential, ElementError> {
+        let mut found = None;
+        let w = self.potential(at, counts, T::CARRIES, warm, &mut found)?;
+        let Some(found) = found.filter(|_| w.gradient[0] > 0.0) else {
+            return Ok(w);
+        };
         // By quantity and coordinate.
         let mut slopes = [[0.0; COORDINATES]; 6];
         for axis in (0..COORDINATES).filter(|_| T::CARRIES) {
-            let by_axis = match answer.slopes[axis] {
+            let by_axis = match found.slopes[axis] {
                 Some(slopes) => slopes,
                 None => central_difference(at, axis, STEP[axis], |x| {
-                    let there = self.answer(x, counts, false, warm)?;
-                    Ok::<_, ElementError>(there.extras)
+                    let mut there = None;
+                    self.potential(x, counts, false, warm, &mut there)?;
+                    Ok::<_, ElementError>(there.map_or([0.0; 6], |there| there.extras))
                 })?,
             };
             for (slopes, slope) in slopes.iter_mut().zip(by_axis) {
                 slopes[axis] = slope;
             }
         }
-        let mut lifted: Extras<T> = std::array::from_fn(|i| lift(answer.extras[i], &slopes[i], q));
+        let mut lifted: Extras<T> = std::array::from_fn(|i| lift(found.extras[i], &slopes[i], q));
         lifted[1] = lifted[1] * self.axial_factor;
-        Ok(lifted)
+        *extras = Some(lifted);
+        Ok(w)
     }
 
     #[inline]
-    fn answer(
+    fn potential(
         &self,
         at: [f64; COORDINATES],
         counts: Counts,
         want_hessian: bool,
         warm: &mut Warm,
-    ) -> Result<Answer, ElementError> {
+        found: &mut Option<Found>,
+    ) -> Result<Potential, ElementError> {
         let [delta, center_distance_offset, misalignment, mesh_position] = at;
         let query = Query {
             delta,
@@ -279,7 +276,7 @@ impl Law {
             misalignment,
             mesh_position,
         };
-        let potential = match &self.source {
+        Ok(match &self.source {
             Source::Linear(stiffness) => {
                 let mut w = Potential::default();
                 if delta > 0.0 {
@@ -292,29 +289,27 @@ impl Law {
             Source::Table(table, flank) => table.flank(*flank).0.evaluate(&query, want_hessian),
             Source::Teeth(table, flank) => {
                 let Some((teeth, _)) = table.teeth(*flank) else {
-                    return Ok(Answer::default());
+                    return Ok(Potential::default());
                 };
                 let (potential, sliding) = teeth.evaluate_sliding(&query, counts, want_hessian);
-                return Ok(Answer {
-                    potential,
-                    extras: extras(sliding, [0.0; 2]),
-                    ..Answer::default()
-                });
+                if self.finds_extras {
+                    *found = Some(Found {
+                        extras: extras(sliding, [0.0; 2]),
+                        slopes: [None; COORDINATES],
+                    });
+                }
+                potential
             }
             Source::Contact(contact) => {
-                let found = contact_answer(contact, at, counts, want_hessian, warm);
-                return found.map_err(|error| {
+                let solved = solved_potential(contact, at, counts, want_hessian, warm, found);
+                solved.map_err(|error| {
                     let reason = format!("stiffnessModel = contact finds no loads: {error}");
                     ElementError::NoPotential(reason)
-                });
+                })?
             }
             Source::Custom(law) => law
                 .evaluate(&query, counts, want_hessian)
                 .map_err(ElementError::NoPotential)?,
-        };
-        Ok(Answer {
-            potential,
-            ..Answer::default()
         })
     }
 
@@ -329,8 +324,8 @@ impl Law {
         let is_contact = matches!(self.source, Source::Contact(_));
         let mut slopes = |axis: usize| {
             central_difference(at, axis, STEP[axis], |x| {
-                let there = self.answer(x, counts, !is_contact, warm)?;
-                Ok::<_, ElementError>(there.potential.hessian[0])
+                let there = self.potential(x, counts, !is_contact, warm, &mut None)?;
+                Ok::<_, ElementError>(there.hessian[0])
             })
         };
         let mut gradient = slopes(0)?;
@@ -362,15 +357,16 @@ fn central_difference<const K: usize, E>(
     Ok(std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step)))
 }
 
-/// The answer of a static contact solve at the coordinates `at`.
+/// The potential of a static contact solve at the coordinates `at`, and what it finds beside.
 /// Errors: no solve succeeds.
-fn contact_answer(
+fn solved_potential(
     contact: &RuntimeContact,
     at: [f64; COORDINATES],
     counts: Counts,
     want_hessian: bool,
     warm: &mut Warm,
-) -> Result<Answer, ContactError> {
+    found: &mut Option<Found>,
+) -> Result<Potential, ContactError> {
     /// Of the central differences of the slopes by centre distance, m, and by mesh position.
     const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
     let here = contact.potential(at, counts, warm)?;
@@ -381,15 +377,14 @@ fn contact_answer(
         ..Potential::default()
     };
     out.hessian[0][0] = here.tangent.force_by_approach;
-    let mut answer = Answer {
-        potential: out,
+    let found = found.insert(Found {
         extras: extras(here.sliding, here.root_stress),
-        ..Answer::default()
-    };
+        slopes: [None; COORDINATES],
+    });
     if !want_hessian || here.gradient[0] == 0.0 {
-        return Ok(answer);
+        return Ok(out);
     }
-    let hessian = &mut answer.potential.hessian;
+    let hessian = &mut out.hessian;
     hessian[0][2] = here.tangent.force_by_misalignment;
     hessian[2][0] = here.tangent.force_by_misalignment;
     hessian[2][2] = here.tangent.moment_by_misalignment;
@@ -400,14 +395,14 @@ fn contact_answer(
             let [e, f, g, h, i, j] = extras(w.sliding, w.root_stress);
             Ok::<_, ContactError>([a, b, c, d, e, f, g, h, i, j])
         })?;
-        answer.slopes[axis] = Some(slopes);
+        found.slopes[axis] = Some(slopes);
         for (i, slope) in [a, b, c, d].into_iter().enumerate() {
             // Both mixed slopes of both axes are found: the last one counts for either.
             hessian[i][axis] = slope;
             hessian[axis][i] = slope;
         }
     }
-    Ok(answer)
+    Ok(out)
 }
 
 fn extras(sliding: Sliding, [first, second]: [f64; 2]) -> Extras<f64> {

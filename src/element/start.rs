@@ -315,7 +315,7 @@ impl Touch<'_> {
         let (mut next, mut step) = (start, FIRST);
         for tried in 0.. {
             let q = [next, pose[0], pose[1], self.mesh_position];
-            let w = (self.law).respond::<f64>(q, self.counts, false, &mut self.warm)?;
+            let w = (self.law).respond::<f64>(q, self.counts, false, &mut self.warm, &mut None)?;
             let (force, energy) = (w.gradient[0], w.energy);
             let guess = if force > 0.0 {
                 pressed = next;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 from pathlib import Path
 
 import matplotlib
@@ -11,8 +10,9 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
+from .check import NUMBER
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 plt.rcParams |= {"svg.hashsalt": "gearmesh", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 11}
 

@@ -1,14 +1,10 @@
-//! Contact at run time from the file in a unit.
+//! Contact at run time from the file in an FMU.
 
 use super::*;
-use gearmesh::gear::Flank;
-use std::sync::Arc;
 
 fn small_file() -> ContactFile {
-    let text = include_str!("../../resources/pairs/palermo2013.json");
-    let pair = pair::from_json(text).unwrap();
-    let settings = with_stations(4);
-    contact_file(&pair, &coarse_solver(&pair, settings)).unwrap()
+    let pair = pair::from_json(PAPER).unwrap();
+    contact_file(&pair, &coarse_solver(&pair, with_stations(4))).unwrap()
 }
 
 #[test]

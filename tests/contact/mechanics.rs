@@ -1,16 +1,10 @@
 //! Energy, monotony, equilibrium and refusals.
 
 use super::*;
-use gearmesh::gear::Flank;
 use gearmesh::pair::Refinement;
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
 
-const SHIPPED: [&str; 4] = [
-    include_str!("../../resources/pairs/palermo2013.json"),
-    include_str!("../../resources/pairs/helical-25-47.json"),
-    include_str!("../../resources/pairs/planet-ring-27-84.json"),
-    include_str!("../../resources/pairs/fzg-c.json"),
-];
+const SHIPPED: [&str; 4] = [PAPER, HELICAL, RING, SPUR];
 
 fn shipped() -> impl Iterator<Item = (Pair, ContactSolver)> {
     SHIPPED.iter().map(|text| {

@@ -1,8 +1,4 @@
 use super::*;
-use gearmesh::gear::Flank;
-
-const MODIFIED: &str = include_str!("../../resources/pairs/palermo2013.json");
-const UNMODIFIED: &str = include_str!("../../resources/pairs/palermo2013-unmodified.json");
 
 fn paper_solver(text: &str, settings: ContactSettings) -> ContactSolver {
     coarse_solver(&pair::from_json(text).unwrap(), settings)
@@ -21,7 +17,7 @@ fn cycle(solver: &ContactSolver, torque: f64, misalignment: f64) -> MeshCycle {
 
 #[test]
 fn peak_to_peak_of_the_modified_pair_is_least_between_85_and_130_nm() {
-    let modified = paper_solver(MODIFIED, ContactSettings::default());
+    let modified = paper_solver(PAPER, ContactSettings::default());
     let torques: Vec<f64> = (2..=20).map(|i| 10.0 * f64::from(i)).collect();
     let (least, peak_to_peak) = torques
         .iter()
@@ -36,7 +32,7 @@ fn peak_to_peak_of_the_modified_pair_is_least_between_85_and_130_nm() {
 
 #[test]
 fn misalignment_moves_the_contact_to_the_closing_side_and_the_mean_ste_down() {
-    let solver = paper_solver(MODIFIED, ContactSettings::default());
+    let solver = paper_solver(PAPER, ContactSettings::default());
     let at = |m: f64| cycle(&solver, 100.0, m);
     let (aligned, plus, minus) = (at(0.0), at(3e-3), at(-3e-3));
     assert!(plus.mean_contact_z() > 20e-3 && minus.mean_contact_z() < 5e-3);
@@ -46,14 +42,14 @@ fn misalignment_moves_the_contact_to_the_closing_side_and_the_mean_ste_down() {
         tip_corner_contact: false,
         ..Default::default()
     };
-    let on_path = paper_solver(MODIFIED, path);
+    let on_path = paper_solver(PAPER, path);
     let at = |m: f64| cycle(&on_path, 100.0, m).mean_ste();
     assert!((at(3e-3) - at(-3e-3)).abs() < 1e-12);
     assert!((plus.mean_ste() - minus.mean_ste()).abs() < 1e-3 * aligned.mean_ste());
     // Fig. 23: the teeth of the misaligned pair carry the load at a negative transmission error.
     assert!(plus.mean_ste() < 0.0 && aligned.mean_ste() > 12e-6);
     // Twice the stations change nothing that matters.
-    let finer = paper_solver(MODIFIED, with_stations(80));
+    let finer = paper_solver(PAPER, with_stations(80));
     let change = cycle(&finer, 100.0, 0.0).mean_ste() / aligned.mean_ste() - 1.0;
     assert!(change.abs() < 5e-3, "{change}");
 }

@@ -1,11 +1,9 @@
 //! Stress in the tooth roots over mesh cycles.
 
 use super::*;
-use gearmesh::gear::Flank;
 use gearmesh::pair::Refinement;
 use gearmesh_preprocessor::contact::{CycleInput, GearRoots, LoadCase, MeshCycle};
 use gearmesh_preprocessor::finite_element::{RootStress, Settings, pair_root_stress};
-use std::sync::Arc;
 
 /// Two equal gears of opposite hand, 20 teeth, module 3 mm.
 fn pair(helix_deg: f64) -> Pair {

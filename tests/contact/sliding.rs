@@ -4,9 +4,7 @@ use super::*;
 use crate::fzg::{FZG, c14};
 use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::friction::{FrictionLaw, Loss, Sliding, loss_factor_of};
-use gearmesh::gear::Flank;
 use nalgebra::DMatrix;
-use std::sync::Arc;
 
 /// Segments that do not know of each other: where forces are prescribed, no more is asked.
 struct Alone;
@@ -51,10 +49,9 @@ fn even_line_load(pair: &Pair) -> Vec<Sliding> {
 }
 
 fn pair_of(geometry: gearmesh::gear::PairGeometry) -> Pair {
-    let paper = include_str!("../../resources/pairs/palermo2013-unmodified.json");
     Pair {
         geometry,
-        ..pair::from_json(paper).unwrap()
+        ..pair::from_json(UNMODIFIED).unwrap()
     }
 }
 

@@ -1,7 +1,6 @@
 //! Mirrors and renumbering must change nothing.
 
 use super::*;
-use gearmesh::gear::Flank;
 
 /// A pair file with both gears' entries, external 20 / 31 or internal 20 / 61, every modification on.
 pub(super) fn text(meshing: &str, helix_deg: f64, swap: bool) -> String {
@@ -131,11 +130,10 @@ fn without_lead_slope_the_coast_flank_is_the_drive_flank_seen_from_the_other_end
 
 #[test]
 fn a_spur_pair_is_its_own_mirror_image_under_misalignment() {
-    let spur = include_str!("../../resources/pairs/fzg-c.json");
-    let width = pair::from_json(spur).unwrap().geometry.face_overlap().1;
+    let width = pair::from_json(SPUR).unwrap().geometry.face_overlap().1;
     for (tau, force, _) in CASES {
-        let a = solve(spur, Flank::Drive, tau, force, 0.5e-3);
-        let b = solve(spur, Flank::Drive, tau, force, -0.5e-3);
+        let a = solve(SPUR, Flank::Drive, tau, force, 0.5e-3);
+        let b = solve(SPUR, Flank::Drive, tau, force, -0.5e-3);
         assert_same(&a, &b, width - b.contact_z, "spur");
         assert!(
             a.contact_z > 0.5 * width,

@@ -11,6 +11,17 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DIST = ROOT / "target" / "dist"
+COARSE = ["--refinement", "coarse", "--no-center-distance", "--no-misalignment"]
+# Turns gear 2 of an FMU onto the flank and prints the moment on gear 1.
+SCRIPT = """
+import sys
+from gearmesh import GearPair
+with GearPair(sys.argv[1]) as pair:
+    pair.initialize()
+    pair["gear2.angles[3]"] = 1e-3
+    pair.step(1e-6)
+    print(repr(pair["gear1.moment[3]"]))
+"""
 
 # Wine 8 has no bcryptprimitives.dll, which Rust's standard library takes its random numbers from.
 STUB = """

@@ -6,17 +6,7 @@ import sys
 import zipfile
 
 import pytest
-from conftest import DIST, ROOT
-
-SCRIPT = """
-from gearmesh import GearPair
-with GearPair("pair.fmu") as pair:
-    pair.initialize()
-    pair["gear2.angles[3]"] = 1e-3
-    pair.step(1e-6)
-    print(pair["gear1.moment[3]"])
-"""
-COARSE = ["--refinement", "coarse", "--no-center-distance", "--no-misalignment"]
+from conftest import COARSE, DIST, ROOT, SCRIPT
 
 
 def wheel(tag):
@@ -47,7 +37,7 @@ def test_the_installed_command_builds_a_unit_that_the_installed_package_runs(ins
     run(installed / "bin" / "gearmesh", "build", pair, "-o", "pair.fmu", *COARSE)
     names = zipfile.ZipFile(tmp_path / "pair.fmu").namelist()
     assert {"binaries/linux64/GearMesh.so", "binaries/win64/GearMesh.dll"} <= set(names)
-    assert abs(float(run(installed / "bin" / "python", "-c", SCRIPT))) > 10.0
+    assert abs(float(run(installed / "bin" / "python", "-c", SCRIPT, "pair.fmu"))) > 10.0
 
 
 @pytest.mark.parametrize("tag", ["manylinux2014_x86_64", "win_amd64"])

@@ -10,7 +10,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import DIST, ROOT
+from conftest import COARSE, DIST, ROOT, SCRIPT
 
 sys.path.insert(0, str(ROOT))
 
@@ -23,16 +23,6 @@ PAIRS = ["palermo2013", "helical-25-47", "planet-ring-27-84"]
 # Windows' sin, cos and exp are not those of glibc: the last place of an angle is 1e-16 of it, and the transmission
 # error is 1e-4 of the displacements whose difference it is.
 BOUND = 1e-12
-# As test_wheel.py drives the unit on Linux.
-SCRIPT = """
-import sys
-from gearmesh import GearPair
-with GearPair(sys.argv[1]) as pair:
-    pair.initialize()
-    pair["gear2.angles[3]"] = 1e-3
-    pair.step(1e-6)
-    print(repr(pair["gear1.moment[3]"]))
-"""
 
 
 @pytest.fixture(scope="module", params=PAIRS)
@@ -78,8 +68,7 @@ def test_a_c_program_on_windows_gives_the_results_of_linux_by_both_interfaces(wi
 def test_the_installed_command_builds_a_unit_on_windows_that_the_installed_package_runs(windows, tmp_path):
     pair = ROOT / "resources" / "pairs" / "palermo2013.json"
     unit = tmp_path / "pair.fmu"
-    coarse = ["--refinement", "coarse", "--no-center-distance", "--no-misalignment"]
-    windows.run("bin/gearmesh.exe", "build", f"Z:{pair}", "-o", f"Z:{unit}", *coarse)
+    windows.run("bin/gearmesh.exe", "build", f"Z:{pair}", "-o", f"Z:{unit}", *COARSE)
     assert {"binaries/linux64/GearMesh.so", "binaries/win64/GearMesh.dll"} <= set(zipfile.ZipFile(unit).namelist())
     moment = float(windows.run("python.exe", "-c", SCRIPT, f"Z:{unit}"))
     with GearPair(unit) as pair:

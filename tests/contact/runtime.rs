@@ -84,8 +84,14 @@ fn root_stress_at_run_time_is_that_of_the_elastic_models() {
             roots: Some(roots),
             ..condensed
         });
-        let setup = Arc::new(solver.setup().clone());
-        let contact = RuntimeContact::new(setup, condensed, flank).with_root_stress();
+        let file = ContactFile {
+            setup: Arc::new(solver.setup().clone()),
+            drive: condensed,
+            coast: None,
+            error: None,
+        };
+        let file = ContactFile::from_bytes(&file.to_bytes()).unwrap();
+        let contact = RuntimeContact::new(file.setup, file.drive, flank).with_root_stress();
         let mut random = Random::new(5);
         let (mut square, mut largest, n) = (0.0, 0.0f64, 40);
         for _ in 0..n {

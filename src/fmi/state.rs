@@ -147,6 +147,28 @@ mod tests {
     }
 
     #[test]
+    fn a_state_survives_its_serialisation_to_the_last_bit() {
+        let mut instance = running();
+        let before = instance.state.clone();
+        let bytes = before.to_bytes("{guid}");
+        let after = InstanceState::from_bytes(&bytes, "{guid}").unwrap();
+        assert_eq!(after, before);
+        assert_eq!(after.to_bytes("{guid}"), bytes);
+        let outputs: Vec<u32> = (100..131).collect();
+        let read = |instance: &mut Instance| {
+            let mut values = Vec::new();
+            instance
+                .get(Kind::Real, &outputs, |x| values.push(x.to_bits()))
+                .unwrap();
+            values
+        };
+        let expected = read(&mut instance);
+        let mut other = on_table([8, 1, 1, 6], &[]);
+        other.go_to(after).unwrap();
+        assert_eq!(read(&mut other), expected);
+    }
+
+    #[test]
     fn a_state_that_is_altered_or_of_another_unit_or_interface_is_refused() {
         let mut co_simulation = running();
         let before = co_simulation.state.clone();

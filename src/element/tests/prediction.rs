@@ -87,6 +87,22 @@ impl Disc {
 }
 
 #[test]
+fn a_turn_of_gear_1_brings_the_teeth_together_by_as_much_on_the_line_of_action() {
+    for disc in Disc::all() {
+        let (y, u) = (3e-6, 0.02);
+        let inputs = disc.inputs();
+        let moved = disc.element.moved(&inputs, 0.0, y, u);
+        let [before, after] =
+            [&inputs, &moved].map(|i| disc.element.evaluate(&disc.phase, i).unwrap());
+        let cosine = disc.element.line_of_action(before.center_distance);
+        let approach = (after.transmission_error - before.transmission_error) * cosine;
+        assert_relative_eq!(approach, y, max_relative = 1e-9);
+        let rate = (after.transmission_error_rate - before.transmission_error_rate) * cosine;
+        assert_relative_eq!(rate, u, max_relative = 1e-9);
+    }
+}
+
+#[test]
 fn a_disc_under_predicted_loads_moves_as_with_steps_fifty_times_shorter_whatever_mass_is_given() {
     for coupling in [Coupling::Sequential, Coupling::Parallel] {
         for share in [0.3, 1.0, 2.0] {

@@ -75,7 +75,8 @@ fn root_stress_at_run_time_is_that_of_the_elastic_models() {
         .into_iter()
         .zip([Flank::Drive, Flank::Drive, Flank::Coast])
     {
-        let (pair, solver, condensed) = condensed(text, flank);
+        let (mut pair, solver, condensed) = condensed(text, flank);
+        pair.refinement = gearmesh::pair::Refinement::Coarse;
         let elastic = Settings::for_pair(&pair);
         let models = pair_root_stress(&pair.geometry, flank, &elastic, None, &|_, _, _| true);
         let models = models.unwrap().map(|(model, _)| model);
@@ -93,7 +94,7 @@ fn root_stress_at_run_time_is_that_of_the_elastic_models() {
         let file = ContactFile::from_bytes(&file.to_bytes()).unwrap();
         let contact = RuntimeContact::new(file.setup, file.drive, flank).with_root_stress();
         let mut random = Random::new(5);
-        let (mut square, mut largest, n) = (0.0, 0.0f64, 40);
+        let (mut square, mut largest, n) = (0.0, 0.0f64, 25);
         for _ in 0..n {
             let (at, result) = point(&pair, &solver, flank, &mut random);
             let problem = solver.position(flank, at[3], at[1]).unwrap();
@@ -109,7 +110,7 @@ fn root_stress_at_run_time_is_that_of_the_elastic_models() {
         }
         let rms = (square / f64::from(2 * n)).sqrt();
         println!("{}: rms {rms:.2e}, largest {largest:.2e}", pair.name);
-        assert!(rms < 0.005 && largest < 0.02, "{rms} {largest}");
+        assert!(rms < 0.003 && largest < 0.01, "{rms} {largest}");
     }
 }
 

@@ -6,7 +6,8 @@
 //! Nodes also hold segments a little beyond the reach of contact, for all four neighbours of a position. Mesh position 1 is 0 with
 //! tooth pairs counted on by one.
 //!
-//! The file, [`sealed`]: length of the head, head (JSON), influence matrices (32-bit floats); little endian.
+//! The file, [`sealed`]: length of the head, head (JSON), and of each flank influence matrices and what [`CondensedRoots`] hold (32-bit
+//! floats); little endian.
 
 use std::sync::Arc;
 

@@ -92,16 +92,17 @@ impl Setup {
         }
         let fields = self.plan.fields.len();
         let first = columns.len() - 1 - self.outcomes.len() - fields;
-        let number = |text: &str| match text {
-            "" => Ok(f64::NAN),
-            _ => (text.parse::<f64>()).map_err(|_| wrong(&format!("`{text}` is no number"))),
-        };
         let mut samples: Vec<Sample> = Vec::new();
         for record in reader.records() {
             let record = record?;
             let error = &record[columns.len() - 1];
-            let numbers = record.iter().take(columns.len() - 1).map(number);
-            let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+            // A refused sample has no results.
+            let number = |(k, text): (usize, &str)| match text {
+                "" if k >= first + fields && !error.is_empty() => Ok(f64::NAN),
+                _ => (text.parse::<f64>()).map_err(|_| wrong(&format!("`{text}` is no number"))),
+            };
+            let numbers = record.iter().take(columns.len() - 1).enumerate();
+            let numbers: Vec<f64> = numbers.map(number).collect::<Result<_, _>>()?;
             let [point, own] = match self.plan.grid.is_empty() {
                 true => [0, numbers[0] as usize],
                 false => [numbers[0], numbers[1]].map(|number| number as usize),

@@ -1,6 +1,7 @@
 //! Elastic models that are kept.
 
 use super::*;
+use std::os::unix::fs::MetadataExt;
 
 #[test]
 fn a_finite_element_model_is_kept_and_found_again() {
@@ -15,7 +16,14 @@ fn a_finite_element_model_is_kept_and_found_again() {
     let first = solve();
     // Both gears are equal but for hand: one model.
     assert_eq!(folder.count("cache"), 1);
+    // A file that is written anew has another inode.
+    let inode = || {
+        let entry = std::fs::read_dir(&cache).unwrap().next().unwrap();
+        entry.unwrap().metadata().unwrap().ino()
+    };
+    let written = inode();
     assert_eq!(first, solve());
+    assert_eq!(inode(), written);
     // Three-dimensional teeth on a held bore give way by some micrometres, not by none.
     assert!(mean(&first) > 5.0 && mean(&first) < 20.0);
 }

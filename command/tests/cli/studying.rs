@@ -19,6 +19,23 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
     succeed(study("parts", "--samples 10"));
     assert_eq!(table("whole"), table("parts"));
 
+    // What a refused sample says is read back as it was written; a row that lacks a number is refused.
+    let solved = table("parts");
+    let last = solved.trim_end().lines().next_back().unwrap();
+    let keys = last.splitn(5, ',').take(4).collect::<Vec<_>>().join(",");
+    let row = |results: &str| solved.replace(last, &format!("{keys}{results}"));
+    let quoted = row(",,,,,,,\"too much, \"\"far\"\"\"");
+    folder.write("parts/samples.csv", &quoted);
+    contains!(succeed(study("parts", "--samples 10")), "1 refused");
+    succeed(study("parts", "--samples 11"));
+    assert!(table("parts").starts_with(&quoted));
+    folder.write("parts/samples.csv", row(",,,,,,,"));
+    refused(
+        study("parts", "--samples 10"),
+        &["`` is no number", "--restart"],
+    );
+    folder.write("parts/samples.csv", &solved);
+
     // The pair as drawn is sample 0; slope and misalignment gather the load at an end of the face.
     let samples = folder.rows("whole/samples.csv");
     assert_eq!(samples.len(), 11);

@@ -28,12 +28,14 @@ mod tables;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use gearmesh_preprocessor::storage::uninterrupted;
 
 /// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
 #[derive(Debug, Parser)]
 #[command(name = "gearmesh", version, propagate_version = true)]
+// A value such as -10 is no option: it is for the option's own limits to refuse it.
+#[command(mut_subcommands(|command| command.allow_negative_numbers(true)))]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -71,12 +73,7 @@ fn stop_on_signals() -> Result<()> {
 }
 
 fn main() -> ExitCode {
-    // A value such as -10 is no option: it is for the option's own limits to refuse it.
-    let cli = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
-    let command = match Cli::from_arg_matches(&cli.get_matches()) {
-        Ok(cli) => cli.command,
-        Err(error) => error.exit(),
-    };
+    let command = Cli::parse().command;
     let result = stop_on_signals().and_then(|()| match command {
         Command::New(command) => command.run(),
         Command::Solve(command) => command.run(),

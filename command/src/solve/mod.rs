@@ -236,10 +236,7 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
                 Some(stress) => list(&mut terms, &nominal(), &stress),
                 None => terms.row("beyond the standard", "(rim or notch)"),
             }
-            rows.row(
-                format!("ISO 6336-3, gear {}", i + 1),
-                terms.joined("; ", " "),
-            );
+            rows! { rows; format!("ISO 6336-3, gear {}", i + 1) => "{}", terms.joined("; ", " "); }
         }
     }
     text
@@ -305,10 +302,10 @@ fn difference(solved: &Solved, other: &Solved) -> String {
         let share = |(a, b)| Some(column.number(&a)? / column.number(&b)? - 1.0);
         let shares = both.filter_map(share).filter(|share| share.is_finite());
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let words = worst.map_or("none to give: it is zero".into(), |worst| {
-            format!("{:+.2} %", 100.0 * worst)
-        });
-        rows.row(&column.head, words);
+        match worst {
+            Some(worst) => rows! { rows; &column.head => "{:+.2} %", 100.0 * worst; },
+            None => rows.row(&column.head, "none to give: it is zero"),
+        }
     }
     rows! { rows; "time for its elastic model" => "{}", model.effort; }
     if let Some(f) = &model.fillets {

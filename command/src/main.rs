@@ -12,7 +12,6 @@ macro_rules! refuse {
 
 mod case;
 mod columns;
-mod import;
 mod inspect;
 mod limits;
 mod model;
@@ -46,7 +45,7 @@ enum Command {
     New(new::New),
     Solve(solve::Solve),
     Tables(tables::Tables),
-    Import(import::Import),
+    Import(tables::Import),
     Build(pack::Build),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),

@@ -1,9 +1,8 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
-mod curves;
 mod draw;
-mod flank;
 pub mod page;
+mod sections;
 
 use std::path::{Path, PathBuf};
 
@@ -144,15 +143,21 @@ impl Report {
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
         let nominal = variant.cases(&[loads.nominal], &tilts, loads.positions)?;
-        let mut sections = vec![flank::modifications(&pair)];
-        sections.extend(variant_sections(&variant, loads, &aligned)?);
-        sections.insert(2, table(solver, &aligned));
-        sections.push(curves::losses(&pair, solver, loads)?);
-        sections.extend(flank::carried(&pair, &aligned, &nominal[0], &nominal[1..]));
+        let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
+        let mut all = vec![sections::modifications(&pair)];
+        all.extend(variant_sections(&variant, loads, &aligned, &survey)?);
+        all.insert(2, table(solver, &aligned));
+        all.push(sections::losses(&pair, solver, loads, &survey));
+        all.extend(sections::carried(
+            &pair,
+            &aligned,
+            &nominal[0],
+            &nominal[1..],
+        ));
         if self.model.root_stress {
-            sections.push(flank::roots(&aligned, loads.nominal));
+            all.push(sections::roots(&aligned, loads.nominal));
         }
-        Ok((model.description, sections))
+        Ok((model.description, all))
     }
 
     fn tables_section(&self, path: &Path, pair: &Pair) -> Result<Section> {
@@ -177,7 +182,8 @@ impl Report {
         let name = format!("tables of {}", table.file().name);
         let variant = Variant::Tables(Box::new(table));
         let cases = variant.cases(&loads.torques, &[0.0], loads.positions)?;
-        Ok((name, variant_sections(&variant, loads, &cases)?))
+        let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
+        Ok((name, variant_sections(&variant, loads, &cases, &survey)?))
     }
 }
 
@@ -189,16 +195,19 @@ fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| low + step * i as f64).collect()
 }
 
-/// What pair files and tables both show; `cases` are those at the torques of the curves.
-fn variant_sections(variant: &Variant, loads: &Loads, cases: &[Case]) -> Result<Vec<Section>> {
-    let mut sections = vec![
-        curves::cycle(variant, cases),
-        curves::torque(variant, loads)?,
-    ];
+/// What pair files and tables both show: `cases` at the torques of the curves, and those of the aligned `survey`.
+fn variant_sections(
+    variant: &Variant,
+    loads: &Loads,
+    cases: &[Case],
+    survey: &[Case],
+) -> Result<Vec<Section>> {
+    let mut all = vec![sections::cycle(variant, cases)];
+    all.push(sections::torque(variant, loads, survey));
     if !loads.tilts.is_empty() {
-        sections.push(curves::misalignment(variant, loads)?);
+        all.push(sections::misalignment(variant, loads)?);
     }
-    Ok(sections)
+    Ok(all)
 }
 
 /// Adds to `sections` what those of the variant `name` show; its table becomes a section of its own.

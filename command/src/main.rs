@@ -1,7 +1,7 @@
 //! The command `gearmesh`: from the pair file to tables, an FMU and a report.
 //!
-//! One file per subcommand. Results go to standard output, progress and errors to standard error,
-//! and the exit status is 0 only when the whole thing was done.
+//! Results go to standard output, progress and errors to standard error, and the exit status is 0 only when the whole
+//! thing was done.
 
 /// Ends a function with an error in these words.
 macro_rules! refuse {

@@ -225,11 +225,7 @@ fn the_error_is_estimated_from_another_refinement_and_that_of_nothing_is_none() 
     let text = succeed!("solve {PAPER} --estimate-error --root-stress {QUICK}");
     let (solved, estimate) = text.split_once("estimated error").expect(&text);
     contains!(solved, "time for the model of the fillets");
-    contains!(
-        estimate,
-        "time for its model of the fillets",
-        "finite elements, normal"
-    );
+    contains!(estimate, "its model of the fillets", "elements, normal");
     // docs/validation.md: coarse is 0.3 % and some percent of a small swing away; docs/root-stress.md: some percent.
     // The refinements have segments of different lengths, which K_Hbeta does not feel.
     let names = "mean STE,p-p STE,root stress 1,root stress 2,K_Hbeta";

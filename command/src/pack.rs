@@ -152,19 +152,17 @@ pub struct Build {
 impl Build {
     pub fn run(self) -> Result<()> {
         // A missing library shall not cost the time of the tables.
-        let libraries = self.unit.libraries()?;
-        let set = &self.unit.set;
+        let (unit, set) = (&self.unit, &self.unit.set);
+        let libraries = unit.libraries()?;
         let (mut grid, mut model) = (self.grid, self.model);
         // What the FMU starts with must be in its tables.
         grid.friction |= set.contains(&Setting::FRICTION);
         model.root_stress |= set.contains(&Setting::ROOT_STRESS);
         grid.teeth |= set.contains(&Setting::TEETH);
         let contact = self.contact || set.contains(&Setting::CONTACT);
-        let made = tables::compute(&self.pair, &self.unit.output, &grid, contact, &model)?;
+        let made = tables::compute(&self.pair, &unit.output, &grid, contact, &model)?;
         let (contact, more) = (made.contact.as_ref(), format!("; {}", made.text));
-        let words = self
-            .unit
-            .pack_tables(&made.file, contact, &libraries, &more)?;
+        let words = unit.pack_tables(&made.file, contact, &libraries, &more)?;
         output::print(&format!("Wrote {words}"))
     }
 }

@@ -364,9 +364,8 @@ impl<'a> Draft<'a> {
         }
         let of_head = |head| self.notes.iter().filter(move |note| note.0 == head);
         let lines = HEADS.into_iter().flat_map(of_head);
-        let lines: Vec<String> = lines
-            .map(|(head, line)| format!("{head}: {line}\n"))
-            .collect();
+        let lines = lines.map(|(head, line)| format!("{head}: {line}\n"));
+        let lines: Vec<String> = lines.collect();
         let comments: String = lines.iter().map(|line| format!("// {line}")).collect();
         Ok(Taken {
             text: format!("{comments}{file:#}\n"),

@@ -201,8 +201,8 @@ fn patterns(
     let patches = maps.iter().flat_map(|(_, _, patches)| patches);
     let top = patches.filter_map(|p| p.value).fold(1.0, f64::max);
     let labels = ["z (mm)", "diameter (mm)", unit];
-    let figure = |(title, ends, patches)| Figure::new(title, &labels, Map { ends, patches, top });
-    maps.into_iter().map(figure).collect()
+    let figure = |(title, ends, patches)| charts! { title, labels => Map { ends, patches, top }; };
+    maps.into_iter().flat_map(figure).collect()
 }
 
 /// What the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the contact lines.
@@ -235,11 +235,9 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         "At {} and four positions of the mesh; one curve for each tooth pair in contact, up to where contact reaches a tip edge.",
         torque(nominal)
     );
-    let lines = LINE_POSITIONS
-        .map(|tau| contact_lines(nominal, tau))
-        .concat();
+    let lines = LINE_POSITIONS.map(|tau| contact_lines(nominal, tau));
     let heading = "Pressure along the contact lines";
-    sections.push(Section::new(heading, note, lines));
+    sections.push(Section::new(heading, note, lines.concat()));
     sections
 }
 

@@ -356,13 +356,11 @@ impl Setup {
     /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
     fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
         let fields = self.plan.values(point, number, self.seed);
-        let outcome = self
-            .solve(pair, model, &fields)
-            .map_err(|error| error.to_string());
+        let outcome = self.solve(pair, model, &fields);
         Sample {
             point,
             number,
-            outcome,
+            outcome: outcome.map_err(|error| error.to_string()),
             fields,
         }
     }

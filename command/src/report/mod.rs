@@ -123,7 +123,6 @@ impl Report {
             torques,
             survey: evenly(largest / TORQUES as f64, largest, TORQUES),
             tilts: evenly(low, high, if low < high { MISALIGNMENTS } else { 0 }),
-            positions: self.positions,
             speeds: evenly(speed / SPEEDS as f64, speed, SPEEDS),
         }
     }
@@ -138,11 +137,11 @@ impl Report {
         let model = self.model.model(&pair, roots, job)?;
         let solver = &model.solver;
         let with_roots = Variant::Pair(solver, model.fillets.as_ref());
-        let aligned = with_roots.cases(&loads.torques, &[0.0], loads.positions)?;
+        let aligned = with_roots.cases(&loads.torques, &[0.0], self.positions)?;
         let variant = Variant::Pair(solver, None);
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
-        let nominal = variant.cases(&[loads.nominal], &tilts, loads.positions)?;
+        let nominal = variant.cases(&[loads.nominal], &tilts, self.positions)?;
         let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
         let mut all = vec![sections::modifications(&pair)];
         all.extend(variant_sections(&variant, loads, &aligned, &survey)?);
@@ -181,7 +180,7 @@ impl Report {
         let table = Table::read(path)?;
         let name = format!("tables of {}", table.file().name);
         let variant = Variant::Tables(Box::new(table));
-        let cases = variant.cases(&loads.torques, &[0.0], loads.positions)?;
+        let cases = variant.cases(&loads.torques, &[0.0], self.positions)?;
         let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
         Ok((name, variant_sections(&variant, loads, &cases, &survey)?))
     }
@@ -262,8 +261,6 @@ pub struct Loads {
     pub survey: Vec<f64>,
     /// Misalignments over their range, rad; empty where there is none.
     pub tilts: Vec<f64>,
-    /// Positions over the mesh cycle at `torques`.
-    pub positions: usize,
     pub speeds: Vec<f64>,
 }
 

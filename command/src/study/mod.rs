@@ -156,7 +156,8 @@ impl Study {
         };
         let tilts = range("misalignment_mrad", 1e-3);
         let offsets = range("center_distance_offset_um", 1e-6);
-        for &torque in torques.iter().chain([&range("torque_nm", 1.0)[1]]) {
+        let [_, largest] = range("torque_nm", 1.0);
+        for torque in torques.iter().copied().chain([largest]) {
             widen(&mut pair, torque, tilts, offsets);
         }
 

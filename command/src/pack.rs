@@ -85,10 +85,9 @@ impl UnitArgs {
             return Ok(words);
         };
         let platform = only.split(' ').next().unwrap_or(only);
-        let other = if platform == "win64" {
-            "Linux"
-        } else {
-            "Windows"
+        let other = match platform {
+            "win64" => "Linux",
+            _ => "Windows",
         };
         Ok(format!(
             "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"
@@ -104,11 +103,9 @@ impl Pack {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
                 let (tables, error) = (tables.display(), output::chain(&error));
-                let is_pair = !is_tables(&text);
-                let remedy = if is_pair {
-                    "; a pair file is packed by `--pair`"
-                } else {
-                    ""
+                let remedy = match is_tables(&text) {
+                    true => "",
+                    false => "; a pair file is packed by `--pair`",
                 };
                 format!("--tables = {tables}: {error}{remedy}")
             })?;

@@ -47,7 +47,7 @@ pub struct Solve {
     misalignment_mrad: Vec<f64>,
 
     /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
-    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(flank))]
+    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(|name| if name == "coast" { Flank::Coast } else { Flank::Drive }))]
     flank: Flank,
 
     #[command(flatten)]
@@ -76,13 +76,6 @@ pub struct Solve {
 fn torque(text: &str) -> Result<f64, String> {
     limits::torque(text)
         .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))
-}
-
-fn flank(name: String) -> Flank {
-    match &*name {
-        "coast" => Flank::Coast,
-        _ => Flank::Drive,
-    }
 }
 
 struct Solved {

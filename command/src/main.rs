@@ -18,6 +18,7 @@ mod model;
 mod new;
 mod output;
 mod pack;
+mod page;
 mod pair_summary;
 mod report;
 mod rexs;

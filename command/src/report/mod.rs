@@ -1,7 +1,5 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
-mod draw;
-pub mod page;
 mod sections;
 
 use std::path::{Path, PathBuf};
@@ -19,9 +17,9 @@ use crate::columns::lines;
 use crate::inspect::is_tables;
 use crate::model::{Fillets, ModelArgs, widen};
 use crate::output::{self, Job};
+use crate::page::{Page, Section};
 use crate::pair_summary::pair_summary;
 use crate::{Result, limits, study};
-use page::{Page, Section};
 
 /// Loads of the curves over the nominal torque; 70, 100, 130 N m of the paper's Fig. 20 are among them.
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];

@@ -6,10 +6,10 @@ use gearmesh::friction::{Loss, ohlendorf};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
 
-use super::page::{Curve, Figure, Height, Map, Patch, Section, charts};
 use super::{Loads, Variant, evenly};
 use crate::Result;
 use crate::case::{Case, torque_in_words};
+use crate::page::{Curve, Figure, Height, Map, Patch, Section, charts};
 
 /// Positions over a mesh cycle of the survey: enough for five harmonics and within a few per cent of the peak-to-peak value.
 pub const POSITIONS: usize = 24;

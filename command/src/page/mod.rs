@@ -1,11 +1,12 @@
 //! An HTML page of sections with text, tables and charts, by `templates/page.html`. Charts are data: one description gives the
 //! picture, the CSV file, and a comparison of two variants.
 
+mod draw;
+
 use std::path::Path;
 
 use askama::Template;
 
-use super::draw;
 use crate::{Result, output};
 
 #[derive(Template, Default)]
@@ -191,10 +192,10 @@ fn cells(nodes: &[f64]) -> Vec<[f64; 2]> {
 
 /// Charts: `"title", [label of x, of y], height => curves;` or `"title", [label of x, of y, of the scale] => map;` for each.
 macro_rules! charts {
-    (@ $height:expr, $curves:expr) => { $crate::report::page::Plot::Lines($height, $curves) };
-    (@ $map:expr) => { $crate::report::page::Plot::Map($map) };
+    (@ $height:expr, $curves:expr) => { $crate::page::Plot::Lines($height, $curves) };
+    (@ $map:expr) => { $crate::page::Plot::Map($map) };
     ($($title:expr, $labels:expr $(, $height:expr)? => $drawn:expr;)*) => {
-        vec![$($crate::report::page::Figure::new($title, &$labels, charts!(@ $($height,)? $drawn))),*]
+        vec![$($crate::page::Figure::new($title, &$labels, charts!(@ $($height,)? $drawn))),*]
     };
 }
 pub(crate) use charts;

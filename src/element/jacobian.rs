@@ -5,9 +5,8 @@
 use super::Element;
 use super::contact::Solution;
 use super::dual::{Dual, part};
-use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, PhaseOffset};
+use super::motion::{CONTINUOUS_OUTPUTS, ElementError, Inputs, PhaseOffset};
 use crate::vector::{Lanes, Work};
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -62,7 +61,7 @@ impl Element {
         jacobian: &mut Jacobian,
         workspace: &mut Workspace,
     ) -> Result<(), ElementError> {
-        inputs.check(self.with_carrier())?;
+        self.check(inputs)?;
         let phase = match phase {
             Some(phase) => PhaseOffset {
                 tooth_angle: phase.tooth_angle.into(),

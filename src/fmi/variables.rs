@@ -184,16 +184,6 @@ mod tests {
     use crate::element::CONTINUOUS_OUTPUTS;
 
     #[test]
-    fn each_variable_is_served_by_the_functions_of_its_kind_alone() {
-        for (i, v) in VARIABLES.iter().enumerate() {
-            for kind in [Kind::Real, Kind::Enumeration, Kind::Boolean] {
-                let found = find(kind, v.value_reference).ok();
-                assert_eq!(found, (kind == v.kind).then_some(i), "{}", v.name);
-            }
-        }
-    }
-
-    #[test]
     fn inputs_are_real_and_without_bounds_and_outputs_and_parameters_follow_them() {
         assert_eq!(FIRST_PARAMETER - INPUTS, CONTINUOUS_OUTPUTS);
         for (i, v) in VARIABLES.iter().enumerate() {

@@ -46,7 +46,7 @@ impl Loss {
         torque: f64,
         spin: f64,
     ) -> Loss {
-        let [even, weighted] = [even, weighted].map(|all| Sliding::mean(all).distance);
+        let [even, weighted] = [even, weighted].map(Sliding::mean_distance);
         let rolling = spin.abs() * pair.rolling_speed_per_spin(pair.center_distance);
         let force = torque / pair.gears[0].base_radius();
         let mu = law.coefficient(pair).at(force, rolling);

@@ -45,16 +45,9 @@ impl Sliding {
         [self.share, self.share_z, self.distance, self.weight]
     }
 
-    /// Mean of `all`.
-    pub fn mean(all: &[Sliding]) -> Sliding {
-        let n = all.len() as f64;
-        let mean = |part: fn(&Sliding) -> f64| all.iter().map(part).sum::<f64>() / n;
-        Sliding {
-            weight: mean(|s| s.weight),
-            share: mean(|s| s.share),
-            share_z: mean(|s| s.share_z),
-            distance: mean(|s| s.distance),
-        }
+    /// Mean of the distances of `all`, m.
+    pub fn mean_distance(all: &[Sliding]) -> f64 {
+        all.iter().map(|s| s.distance).sum::<f64>() / all.len() as f64
     }
 }
 

@@ -166,9 +166,7 @@ impl InputValues {
     }
 
     /// Motion of a body as the element takes it.
-    ///
-    /// # Errors
-    /// A quaternion in use whose length is not 1 within `QUATERNION_TOLERANCE`; angles and positions
+    /// Errors: a quaternion in use whose length is not 1 within `QUATERNION_TOLERANCE`; angles and positions
     /// beyond `resolution`.
     #[inline]
     pub fn motion(

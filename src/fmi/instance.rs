@@ -7,9 +7,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::clock::Clock;
 use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
-use super::lifecycle::{Function, Interface, State};
+use super::lifecycle::{Clock, Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
 use super::state::{InstanceState, new_handle, unknown};
@@ -139,26 +138,20 @@ impl Instance {
     }
 
     /// See [`Function::admit`].
-    ///
-    /// # Errors
-    /// The function may not be called now.
+    /// Errors: the function may not be called now.
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
         function.admit(self.state(), self.state.interface)
     }
 
     /// fmi2SetupExperiment.
-    ///
-    /// # Errors
-    /// As [`Clock::setup`].
+    /// Errors: as [`Clock::setup`].
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.state.clock.setup(start, stop)
     }
 
     /// fmi2SetTime.
-    ///
-    /// # Errors
-    /// A time that is not finite.
+    /// Errors: a time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.state.clock.set(time)
     }
@@ -169,9 +162,7 @@ impl Instance {
     }
 
     /// fmi2ExitInitializationMode: makes the element and takes the phases of the teeth.
-    ///
-    /// # Errors
-    /// Parameters or poses that make no mesh; phases are as before.
+    /// Errors: parameters or poses that make no mesh; phases are as before.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         let (element, buffers) = self.ready()?;
         let phase = element.start(&buffers.motions)?;
@@ -210,9 +201,7 @@ impl Instance {
     }
 
     /// fmi2GetFMUstate: stores the state over the one with this `handle`, or under a new one, which it returns.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance; so in all that follows.
+    /// Errors: a handle that is none of this instance; so in all that follows.
     pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
         if let Some(handle) = handle {
             self.stored(handle)?;
@@ -238,9 +227,7 @@ impl Instance {
     }
 
     /// fmi2DeSerializeFMUstate: a new handle.
-    ///
-    /// # Errors
-    /// Bytes that are no state of this FMU.
+    /// Errors: bytes that are no state of this FMU.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
         state.check(self.state.interface)?;
@@ -285,9 +272,7 @@ impl Instance {
     }
 
     /// fmi2SetReal, fmi2SetInteger, which serves enumerations, and fmi2SetBoolean, with 0 and 1; all or none.
-    ///
-    /// # Errors
-    /// Unknown references, wrong types, values that are not finite or outside their range, variables
+    /// Errors: unknown references, wrong types, values that are not finite or outside their range, variables
     /// that may not be set now.
     pub fn set<T: Copy + Into<f64>>(
         &mut self,
@@ -351,9 +336,7 @@ impl Instance {
     }
 
     /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
-    ///
-    /// # Errors
-    /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
+    /// Errors: unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get(
         &mut self,
         kind: Kind,
@@ -472,9 +455,7 @@ impl Instance {
     /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
     /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
     /// are among what is known, too: by differences of the outputs, good to some eight digits.
-    ///
-    /// # Errors
-    /// References that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
+    /// Errors: references that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
     /// which there are no outputs.
     pub fn directional_derivative(
         &mut self,
@@ -561,9 +542,7 @@ impl Instance {
     }
 
     /// fmi2SetRealInputDerivatives; all or none.
-    ///
-    /// # Errors
-    /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
+    /// Errors: unknown references, variables that are no inputs, orders beyond 1 to 3, values
     /// that are not finite.
     pub fn set_input_derivatives(
         &mut self,
@@ -595,9 +574,7 @@ impl Instance {
     /// fmi2GetRealOutputDerivatives: time derivatives of the outputs at the current communication
     /// point, of the first order. Poses change with the velocity inputs, which are
     /// their derivatives, and velocities with the input derivatives that the host gave.
-    ///
-    /// # Errors
-    /// References that are no outputs, another order than 1, inputs at which there are no outputs.
+    /// Errors: references that are no outputs, another order than 1, inputs at which there are no outputs.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -620,9 +597,7 @@ impl Instance {
 
     /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
     /// evaluates there, or predicts the loads by the coupling. A step that is refused changes nothing.
-    ///
-    /// # Errors
-    /// A step that is not positive, does not start where the last one ended, or passes the stop time;
+    /// Errors: a step that is not positive, does not start where the last one ended, or passes the stop time;
     /// inputs at which there are no outputs. A step that is discarded for its inputs, and tried again as it was, is an
     /// error: it would be tried for ever.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {

@@ -100,9 +100,7 @@ impl Starts {
 
 impl Resources {
     /// The resources of `unit` with its `tables` and its `contact`.
-    ///
-    /// # Errors
-    /// Start values that are none, a contact of another pair, as text.
+    /// Errors: start values that are none, a contact of another pair, as text.
     pub fn new(
         unit: UnitFile,
         tables: Option<TableFile>,
@@ -123,9 +121,7 @@ impl Resources {
     }
 
     /// The element of this FMU with `parameters`.
-    ///
-    /// # Errors
-    /// Parameters without meaning; an effect whose axis the tables lack.
+    /// Errors: parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
         let model = parameters.stiffness_model;
@@ -180,9 +176,7 @@ fn shared<T, E>(
 }
 
 /// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
-///
-/// # Errors
-/// A location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
+/// Errors: a location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
 pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
     let folder = folder(location).map_err(|reason| {
         Refusal::error(format!(
@@ -258,9 +252,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
 }
 
 /// Reads the bytes of a [`UNIT_FILE`].
-///
-/// # Errors
-/// What is wrong with them, as text.
+/// Errors: what is wrong with them, as text.
 pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
     let unit: UnitFile = serde_json::from_slice(bytes).map_err(|e| json_problem(&e))?;
     if unit.version != UNIT_VERSION {

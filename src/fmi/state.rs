@@ -6,9 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::Refusal;
-use super::clock::Clock;
 use super::inputs::InputValues;
-use super::lifecycle::{Interface, State};
+use super::lifecycle::{Clock, Interface, State};
 use super::parameters::Settings;
 use super::variables::PARAMETERS;
 use crate::element::{Loads, PhaseOffset, Step};

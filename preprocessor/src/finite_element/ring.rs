@@ -371,33 +371,25 @@ mod tests {
     use crate::finite_element::mesh::LoadColumn;
     use crate::finite_element::model::Model;
     use crate::samples;
-    use gearmesh::gear::{Body, Gear, GearKind};
+    use gearmesh::gear::{Body, GearKind};
     use gearmesh::pair::Refinement;
 
     #[test]
     fn harmonics_left_out_change_influences_by_less_than_a_hundred_millionth() {
         // A disc, a thin rim on a thin web and a thin ring on a soft foundation.
-        let face_width = 8e-3;
-        let disc = Gear {
-            face_width,
-            ..samples::gear(GearKind::External, 81, 1.0, 20.0, 0.0)
-        };
-        let root = disc.root_radius();
-        let webbed = Gear {
-            body: Some(Body {
-                rim_radius: root - 4e-3,
-                web: [3e-3, 4e-3],
-                hub_radius: disc.held_radius,
-                hub: [3e-3, 4e-3],
-                held_ends: [false; 2],
-            }),
-            ..disc.clone()
-        };
-        let mut ring = Gear {
-            face_width,
-            foundation: Some(1e9),
-            ..samples::gear(GearKind::Ring, 90, 1.0, 0.0, 0.0)
-        };
+        let mut disc = samples::gear(GearKind::External, 81, 1.0, 20.0, 0.0);
+        disc.face_width = 8e-3;
+        let mut webbed = disc.clone();
+        webbed.body = Some(Body {
+            rim_radius: disc.root_radius() - 4e-3,
+            web: [3e-3, 4e-3],
+            hub_radius: disc.held_radius,
+            hub: [3e-3, 4e-3],
+            held_ends: [false; 2],
+        });
+        let mut ring = samples::gear(GearKind::Ring, 90, 1.0, 0.0, 0.0);
+        ring.face_width = 8e-3;
+        ring.foundation = Some(1e9);
         ring.held_radius = ring.root_radius() + 4e-3;
         for gear in [disc, webbed, ring] {
             let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 0)).unwrap();

@@ -108,8 +108,9 @@ pub(super) struct Mesh {
     pub cells: Vec<[i32; 3]>,
     /// Rigidly held nodes.
     pub held: Vec<bool>,
-    /// Nodes on the held surface, and the stiffness (N/m³, in each direction) of a foundation on which it rests.
+    /// Nodes on the held surface.
     pub on_held_surface: Vec<bool>,
+    /// Stiffness (N/m³, in each direction) of the foundation on which that surface rests, if it does.
     pub foundation: Option<f64>,
     /// Free nodes of both sides in the same order.
     pub sides: [Vec<usize>; 2],
@@ -196,17 +197,12 @@ impl Mesh {
                     let n_z = -n_t * section.nodes[*node][0] * twist;
                     let norm = n_z.hypot(1.0);
                     let normal = [n_r / norm, n_t / norm, n_z / norm];
-                    mesh.loads
-                        .push((mesh.unknowns(number)).zip(normal).collect());
+                    let unknowns = mesh.dimension * number..mesh.dimension * (number + 1);
+                    mesh.loads.push(unknowns.zip(normal).collect());
                 }
             }
         }
         mesh
-    }
-
-    /// The unknown displacements of the node with this number.
-    pub fn unknowns(&self, node: usize) -> Range<usize> {
-        self.dimension * node..self.dimension * (node + 1)
     }
 
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {

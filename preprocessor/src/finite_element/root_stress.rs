@@ -53,13 +53,11 @@ impl Stored for Map {
         let (columns, bytes) = bytes.split_first_chunk()?;
         let columns = usize::try_from(u64::from_le_bytes(*columns)).ok()?;
         let (units, entries) = bytes.split_at_checked(columns.checked_mul(size_of::<f32>())?)?;
-        let units = units.chunks_exact(4);
-        let entries = entries.chunks_exact(2);
+        let unit = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+        let entry = |b: &[u8]| i16::from_le_bytes([b[0], b[1]]);
         Some(Map {
-            units: units
-                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-                .collect(),
-            entries: entries.map(|b| i16::from_le_bytes([b[0], b[1]])).collect(),
+            units: units.chunks_exact(4).map(unit).collect(),
+            entries: entries.chunks_exact(2).map(entry).collect(),
         })
     }
 }
@@ -162,14 +160,10 @@ impl RootStress {
         loads: &[f64],
     ) -> Result<RootField<'_>, BeyondModel> {
         assert_eq!(segments.0.len(), loads.len(), "a load for each segment");
-        let mut forces = vec![vec![0.0; self.loads.len()]; 2 * self.reach + 1];
+        let mut forces = vec![0.0; self.loads.len() * (2 * self.reach + 1)];
         let mut beside = Vec::new();
-        let loaded = segments
-            .0
-            .iter()
-            .zip(loads)
-            .filter(|(_, force)| **force != 0.0);
-        for ((segment, weights), force) in loaded {
+        let all = segments.0.iter().zip(loads);
+        for ((segment, weights), force) in all.filter(|(_, force)| **force != 0.0) {
             let away = tooth - segment.tooth;
             let (distance, reach) = (away.unsigned_abs() as usize, self.reach);
             if distance > reach {
@@ -178,12 +172,12 @@ impl RootStress {
             if away == 0 && *force > 0.0 {
                 beside.push(segment);
             }
-            let forces = &mut forces[(away + reach as i32) as usize];
+            let first = (away + reach as i32) as usize * self.loads.len();
             for (node, weight) in weights {
-                forces[*node] += weight * force;
+                forces[first + node] += weight * force;
             }
         }
-        let forces = forces.iter().flatten().copied().enumerate();
+        let forces = forces.into_iter().enumerate();
         let stress = self.stress(forces.filter(|(_, force)| *force != 0.0));
         Ok(self.fillet.field(&stress, beside.into_iter()))
     }
@@ -247,22 +241,17 @@ impl Map {
         columns.extend_from_slice(stress);
         let reach = model.reach as i32;
         let response = model.response(mesh, &columns, loads, -reach..=reach, progress)?;
-        let mut map = Map {
-            entries: Vec::new(),
-            units: Vec::new(),
-        };
+        let (mut entries, mut units) = (Vec::new(), Vec::new());
         for column in response.iter().flat_map(|tooth| tooth.column_iter()) {
-            let largest = column.amax();
-            let unit = if largest > 0.0 {
-                largest / LARGEST
-            } else {
-                1.0
+            let unit = match column.amax() {
+                0.0 => 1.0,
+                largest => largest / LARGEST,
             };
             // The columns push outwards, flanks are pressed inwards.
-            (map.entries).extend(column.iter().map(|s| (-s / unit).round() as i16));
-            map.units.push(unit as f32);
+            entries.extend(column.iter().map(|s| (-s / unit).round() as i16));
+            units.push(unit as f32);
         }
-        Ok(map)
+        Ok(Map { entries, units })
     }
 }
 
@@ -333,7 +322,7 @@ fn points(model: &Model, mesh: &Mesh) -> (Fillet, Vec<LoadColumn>) {
                     let point = FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
                     if number == 0 && at == 0 {
                         grid.radii.push(point.place.x.hypot(point.place.y));
-                        // Across the face the sine of the angle from the tooth's centre line, which turns along z.
+                        // The normal's part along the tooth's centre line, which turns along z.
                         let (sin, cos) = (twist(&model.gear) * point.place.z).sin_cos();
                         let across = (point.normal.x * cos + point.normal.y * sin).abs();
                         grid.tangents.push(across.min(1.0).asin());

@@ -317,18 +317,19 @@ impl Section {
         // Blocks C share the outermost columns of B.
         let last = across.len() - 1;
         let space = outline.point(outline.space_arc());
-        let [right, left] =
-            [(last, last as i32 / 2, 1.0), (0, -1, -1.0)].map(|(shared, first, side)| {
-                let mut c = vec![vec![NO_NODE; depths.len()]; columns.len()];
-                c[0].clone_from(&b[shared]);
-                section.block([first, -1], c, |i, j| {
-                    let w = columns[i] / land;
-                    let [radius, angle] = outline.point(corner_arc - columns[i]);
-                    let end = corner[1] + w * (space[1] - corner[1]);
-                    let angle = angle + depths[j].share * (end - angle);
-                    [depths[j].below(radius), side * angle]
-                })
-            });
+        let mut under_space = |shared: usize, first: i32, side: f64| {
+            let mut c = vec![vec![NO_NODE; depths.len()]; columns.len()];
+            c[0].clone_from(&b[shared]);
+            section.block([first, -1], c, |i, j| {
+                let w = columns[i] / land;
+                let [radius, angle] = outline.point(corner_arc - columns[i]);
+                let end = corner[1] + w * (space[1] - corner[1]);
+                let angle = angle + depths[j].share * (end - angle);
+                [depths[j].below(radius), side * angle]
+            })
+        };
+        let right = under_space(last, last as i32 / 2, 1.0);
+        let left = under_space(0, -1, -1.0);
 
         let loaded = arcs.iter().zip(&a[last]);
         section.flank = loaded.map(|(arc, node)| (*node, *arc)).collect();

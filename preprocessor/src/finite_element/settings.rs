@@ -144,11 +144,9 @@ pub fn graded(length: f64, first: f64, growth: f64, largest: f64) -> Vec<f64> {
 /// meet; at least two steps. Seen from the other end they are the same.
 pub fn graded_from_both(length: f64, first: [f64; 2], growth: f64, largest: f64) -> Vec<f64> {
     if first[0] == first[1] {
-        let half = graded(0.5 * length, first[0].min(0.5 * length), growth, largest);
-        let half = if 0.5 * length <= 1.4 * first[0] {
-            vec![0.0, 1.0]
-        } else {
-            half
+        let half = match 0.5 * length <= 1.4 * first[0] {
+            true => vec![0.0, 1.0],
+            false => graded(0.5 * length, first[0], growth, largest),
         };
         let up = half.iter().map(|t| 0.5 * t);
         let down = half.iter().rev().skip(1).map(|t| 1.0 - 0.5 * t);

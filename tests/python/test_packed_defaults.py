@@ -227,11 +227,7 @@ def test_constant_stiffness_starts_as_the_mean_tangent_at_nominal_torque(shipped
         pair.initialize()
         turning, ratio, pitch = Turning(pair), pair.geometry.ratio, math.tau / pair.geometry.teeth[0]
         for spin in pitch * np.arange(64) / 64:
-            low, high = 0.0, 0.2 * pitch * abs(ratio)
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                pressed = -turning(spin, 0.0, ratio * spin - math.copysign(middle, ratio), 0.0)[0]
-                low, high = (middle, high) if pressed < pair.parameters["nominalTorque"] else (low, middle)
+            turning.resting(-pair.parameters["nominalTorque"] / ratio, spin, ratio * spin)
             stiffness.append(pair["mesh.stiffness"])
         assert pair.parameters["constantStiffness"] == pytest.approx(np.mean(stiffness), rel=5e-3)
 

@@ -1,6 +1,6 @@
 //! A flank given point by point: removal over the length of roll and the face.
 
-use super::modification::ProfilePiece;
+use super::ProfilePiece;
 use serde::{Deserialize, Serialize};
 
 /// A grid that is no topography.

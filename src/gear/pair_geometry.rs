@@ -194,11 +194,8 @@ impl PairGeometry {
     /// profile at `center_distance`.
     pub fn active_start_roll(&self, i: usize, center_distance: f64) -> f64 {
         let path = self.path_of_contact(center_distance);
-        self.roll_at(
-            i,
-            center_distance,
-            if i == 0 { path.start } else { path.end },
-        )
+        let xi = if i == 0 { path.start } else { path.end };
+        self.roll_at(i, center_distance, xi)
     }
 
     /// Transverse contact ratio at `center_distance`.

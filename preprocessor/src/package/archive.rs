@@ -178,24 +178,3 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
         files,
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_same_files_give_the_same_bytes_in_any_order() {
-        let folder = tempfile::tempdir().unwrap();
-        let [one, two] = ["one.fmu", "two.fmu"].map(|name| folder.path().join(name));
-        let mut files = vec![
-            ("resources/a.json".to_owned(), b"{}".to_vec()),
-            ("binaries/linux64/G.so".to_owned(), vec![7; 1000]),
-        ];
-        write(&files, &one).unwrap();
-        files.reverse();
-        let size = write(&files, &two).unwrap();
-        let bytes = std::fs::read(&one).unwrap();
-        assert_eq!(bytes, std::fs::read(&two).unwrap());
-        assert_eq!(bytes.len() as u64, size);
-    }
-}

@@ -186,13 +186,10 @@ pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Opt
     let exact = transmission_error(resources(exact)?, step / finer as f64).ok()?;
     let exact: Vec<f64> = exact.into_iter().step_by(finer).collect();
     let mean = exact.iter().sum::<f64>() / exact.len() as f64;
-    let squares = |(error, spread), (found, exact): (&f64, &f64)| {
-        (
-            error + (found - exact).powi(2),
-            spread + (exact - mean).powi(2),
-        )
-    };
-    let (error, spread) = found.iter().zip(&exact).fold((0.0, 0.0), squares);
+    let errors = found.iter().zip(&exact);
+    let error: f64 = errors.map(|(found, exact)| (found - exact).powi(2)).sum();
+    let exact = exact.iter().take(found.len());
+    let spread: f64 = exact.map(|exact| (exact - mean).powi(2)).sum();
     Some((error / spread).sqrt()).filter(|error: &f64| error.is_finite())
 }
 

@@ -26,17 +26,13 @@ impl Library {
     /// functions of the interface.
     pub fn read(path: &Path) -> Result<Self, PackageError> {
         let bytes = fs::read(path).map_err(|e| PackageError::file(path, e))?;
-        let platform = platform(&bytes).ok_or_else(|| {
-            PackageError::contents(
-                path,
-                "no shared library for 64-bit Linux, Windows or macOS; give the one that cargo built",
-            )
-        })?;
+        let refused = |reason: &str| PackageError::contents(path, reason);
+        let none =
+            "no shared library for 64-bit Linux, Windows or macOS; give the one that cargo built";
+        let platform = platform(&bytes).ok_or_else(|| refused(none))?;
         if !bytes.windows(11).any(|w| w == b"fmi2DoStep\0") {
-            return Err(PackageError::contents(
-                path,
-                "a library without fmi2DoStep; give the library gearmesh, built as cdylib",
-            ));
+            let other = "a library without fmi2DoStep; give the library gearmesh, built as cdylib";
+            return Err(refused(other));
         }
         Ok(Self {
             platform,

@@ -54,23 +54,19 @@ pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Resu
     let cos_b = geometry.base_helix_angle().cos();
     // On the line of action, that of teeth that are full as far as nothing is known.
     let natural = geometry.backlash(c);
-    // Each field, what it asks for on the line of action, and its own number for a backlash there.
+    // What both fields ask for on the line of action.
     let circumferential = file.backlash_um.map(|um| um * UM * cos_phi);
     let normal = file.normal_backlash_um.map(|j| j.middle() * UM / cos_b);
-    let fields = [
-        ("backlash_um", circumferential, 1.0 / cos_phi),
-        ("normal_backlash_um", normal, cos_b),
-    ];
-    if let [
-        (name, Some(first), scale),
-        (other, Some(second), other_scale),
-    ] = fields
-    {
-        ensure!((first - second).abs() <= 2.0 * UM, other => second / UM * other_scale;
-            "`{name}` = {} says otherwise", first / UM * scale;
-            "give one of them, or {:.1}", first / UM * other_scale);
+    if let (Some(first), Some(second)) = (circumferential, normal) {
+        ensure!((first - second).abs() <= 2.0 * UM, "normal_backlash_um" => second / UM * cos_b;
+            "`backlash_um` = {} says otherwise", first / UM * (1.0 / cos_phi);
+            "give one of them, or {:.1}", first / UM * cos_b);
     }
-    let wanted = (fields.into_iter()).find_map(|(name, j, scale)| Some((name, j?, scale)));
+    // Field, backlash on the line of action, and the number of the field for one metre there.
+    let wanted = match (circumferential, normal) {
+        (Some(j), _) => Some(("backlash_um", j, 1.0 / cos_phi)),
+        (None, j) => j.map(|j| ("normal_backlash_um", j, cos_b)),
+    };
     // Beyond half a module it is no backlash, but another centre distance.
     let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
     ensure!(wanted.is_none_or(|(_, j, _)| (natural - j).abs() <= out_of_place), "center_distance_mm" => c / MM;

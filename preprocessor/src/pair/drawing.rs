@@ -197,40 +197,36 @@ type Given = (Measure, &'static str, Dimension);
 
 /// The tooth thicknesses given for gear `i`.
 fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusal> {
-    let name = "normal_tooth_thickness_mm";
-    let given = g.normal_tooth_thickness_mm;
-    let mut all: Vec<Given> = (given.map(|s| (Measure::Thickness, name, s)).into_iter()).collect();
-    let span = g.span_teeth.map(|k| (Measure::Span(k), f64::from(k)));
-    let balls = (g.ball_diameter_mm).map(|mm| (Measure::Balls(mm * MM), mm));
-    for (field, value, gauge, measure) in [
-        (
-            "span_measurement_mm",
-            g.span_measurement_mm,
-            "span_teeth",
-            span,
-        ),
-        (
-            "dimension_over_balls_mm",
-            g.dimension_over_balls_mm,
-            "ball_diameter_mm",
-            balls,
-        ),
-    ] {
+    let mut all: Vec<Given> = Vec::new();
+    if let Some(value) = g.normal_tooth_thickness_mm {
+        all.push((Measure::Thickness, "normal_tooth_thickness_mm", value));
+    }
+    let mut add = |field, value: Option<Dimension>, gauge, measure: Option<(Measure, f64)>| {
         let (name, alone, other) = match (value, measure) {
-            (None, None) => continue,
+            (None, None) => return Ok(()),
             (Some(value), Some((measure, _))) => {
                 let is_possible = !matches!(measure, Measure::Span(_)) || has_span(gear);
                 ensure!(is_possible, in_gear(i, field) => value;
                     "no span can be measured on the helical teeth of a ring"; "give `dimension_over_balls_mm`");
                 all.push((measure, field, value));
-                continue;
+                return Ok(());
             }
             (Some(value), None) => (field, value.to_string(), gauge),
             (None, Some((_, size))) => (gauge, rounded(size).to_string(), field),
         };
-        return Err(refusal!(in_gear(i, name) => alone;
-            "`{other}` is not given, and neither says anything alone"; "give both, or none"));
-    }
+        Err(refusal!(in_gear(i, name) => alone;
+            "`{other}` is not given, and neither says anything alone"; "give both, or none"))
+    };
+    let span = g.span_teeth.map(|k| (Measure::Span(k), f64::from(k)));
+    add(
+        "span_measurement_mm",
+        g.span_measurement_mm,
+        "span_teeth",
+        span,
+    )?;
+    let (over, balls) = (g.dimension_over_balls_mm, g.ball_diameter_mm);
+    let balls = balls.map(|mm| (Measure::Balls(mm * MM), mm));
+    add("dimension_over_balls_mm", over, "ball_diameter_mm", balls)?;
     Ok(all)
 }
 

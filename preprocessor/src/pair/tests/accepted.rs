@@ -8,15 +8,8 @@ use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{GearKind, ToothProfile};
 
 #[test]
-fn the_papers_pair_has_its_contact_ratios_force_and_relief() {
-    let g = pair(UNMODIFIED, "{}").geometry;
-    let transverse = g.transverse_contact_ratio(g.center_distance);
-    assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
-    assert_abs_diff_eq!(g.overlap_ratio(), 0.448, epsilon = 1e-3);
+fn the_papers_pair_has_its_relief_on_both_gears_and_flanks() {
     let pair = pair(PAPER, "{}");
-    let [gear, _] = &pair.geometry.gears;
-    let force = pair.operating.nominal_torque / gear.base_radius() / gear.base_helix_angle().cos();
-    assert_abs_diff_eq!(force, 2660.4, epsilon = 0.1);
     for (gear, m) in pair.geometry.gears.iter().zip(&pair.microgeometry.drive) {
         let removal = |radius: f64| m.removal(gear, gear.roll_length(radius), 12.5e-3);
         assert_abs_diff_eq!(removal(41.052e-3), 0.0, epsilon = 1e-12);

@@ -151,13 +151,6 @@ mod tests {
         let elf = b"\x7fELF\x02\0GLIBC_2.9\0GLIBC_PRIVATE\0GLIBC_2.2.5\0libc.so.6\0GLIBC_2.35\0xGLIBC_2.99\0";
         assert_eq!(runs_on("linux64", elf), "linux64 (glibc 2.35 or later)");
         assert_eq!(runs_on("win64", b"MZ\0GLIBC_2.35\0"), "win64");
-        // The library that was just built needs one that this machine has.
-        let own = std::env::current_exe().unwrap();
-        let own = least_glibc(&fs::read(own).unwrap());
-        assert!(
-            own.is_some_and(|v| v >= [2, 2]) || !cfg!(target_env = "gnu"),
-            "{own:?}"
-        );
     }
 
     #[test]

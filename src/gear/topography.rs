@@ -48,17 +48,15 @@ impl TryFrom<Stored> for Topography {
     type Error = TopographyError;
 
     fn try_from(stored: Stored) -> Result<Topography, TopographyError> {
-        let Stored {
-            rolls, zs, nodes, ..
-        } = &stored;
-        if !is_axis(rolls) || !is_axis(zs) || nodes.len() != rolls.len() * zs.len() {
+        let (rolls, zs, nodes) = (stored.rolls, stored.zs, stored.nodes);
+        if !is_axis(&rolls) || !is_axis(&zs) || nodes.len() != rolls.len() * zs.len() {
             return Err(TopographyError);
         }
         Ok(Topography {
-            steepest: steepest(rolls, zs, nodes),
-            rolls: stored.rolls,
-            zs: stored.zs,
-            nodes: stored.nodes,
+            steepest: steepest(&rolls, &zs, &nodes),
+            rolls,
+            zs,
+            nodes,
             largest: stored.largest,
         })
     }

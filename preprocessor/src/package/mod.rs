@@ -29,7 +29,7 @@ use gearmesh::fmi::resources::{
 };
 use gearmesh::fmi::variables::MODEL_IDENTIFIER;
 use gearmesh::gear::PairGeometry;
-use gearmesh::table::TableFile;
+use gearmesh::table::{Table, TableFile};
 
 /// What goes into one FMU.
 #[derive(Debug, Clone, Copy)]
@@ -38,11 +38,9 @@ pub struct Contents<'a> {
     pub name: &'a str,
     /// The pair, SI.
     pub geometry: &'a PairGeometry,
-    /// The tables; `None` for an FMU of constant stiffness.
-    pub tables: Option<&'a TableFile>,
     /// What contact at run time needs, for `stiffnessModel = contact`.
     pub contact: Option<&'a ContactFile>,
-    /// Start values that belong to the pair.
+    /// Start values that belong to the pair, with its tables, if there are any.
     pub starts: &'a Starts,
 }
 
@@ -104,7 +102,9 @@ pub fn pack(
         starts: contents.starts.of_variables(contents.geometry),
         geometry: contents.geometry.clone(),
     };
-    let tables = contents.tables.map(TableFile::to_json);
+    let table = contents.starts.table.as_ref();
+    let table_file = table.map(Table::file);
+    let tables = table_file.map(TableFile::to_json);
     let contact = contents.contact.map(ContactFile::to_bytes);
     unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);
     let guid = unit.guid.clone();
@@ -118,16 +118,16 @@ pub fn pack(
         .filter_map(|(name, bytes)| Some((format!("resources/{name}"), bytes?)));
     let mut files: Vec<(String, Vec<u8>)> = named.collect();
     // The FMU starts here as it will in a host.
-    let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned());
+    let resources = Resources::new(unit, table_file.cloned(), contents.contact.cloned());
     let resources = Arc::new(resources.map_err(|reason| PackageError::starts(&reason))?);
     let example = driven::example_signals(&resources)
         .map_err(|refusal| PackageError::starts(&refusal.message))?;
     let dynamics = contents.starts.dynamics(contents.geometry);
     let description = Description {
         unit: &resources.unit,
-        table: contents.starts.table.as_ref(),
+        table,
         dynamics: &dynamics,
-        step_error: step_error(&resources.unit, contents.tables, dynamics.step()),
+        step_error: step_error(&resources.unit, table_file, dynamics.step()),
         example,
     };
     files.extend(description.files());
@@ -202,7 +202,6 @@ mod tests {
             let contents = Contents {
                 name,
                 geometry: &geometry,
-                tables: None,
                 contact: None,
                 starts: &starts,
             };
@@ -238,7 +237,6 @@ mod tests {
             let contents = Contents {
                 name: "a",
                 geometry: &geometry,
-                tables: None,
                 contact: None,
                 starts: &starts.with(&[setting.parse().unwrap()]),
             };

@@ -82,7 +82,7 @@ pub struct MeshDynamics {
     pub stiffness: Stiffness,
     /// `damping`, N s/m, tangential.
     pub damping: f64,
-    /// That of [`DAMPING_RATIO`], N s/m.
+    /// That of `DAMPING_RATIO`, N s/m.
     pub(super) default_damping: f64,
     /// `effectiveMass`: the reduced mass along the line of action, kg.
     pub effective_mass: f64,
@@ -91,7 +91,7 @@ pub struct MeshDynamics {
 }
 
 impl MeshDynamics {
-    /// Of a pair with this stiffness; `damping` in N s/m, by default that of [`DAMPING_RATIO`]; loads that are not held.
+    /// Of a pair with this stiffness; `damping` in N s/m, by default that of `DAMPING_RATIO`; loads that are not held.
     pub fn new(pair: &PairGeometry, stiffness: Stiffness, damping: Option<f64>) -> Self {
         let blanks = [0, 1].map(|i| Blank::new(&pair.gears[i]));
         let radii = [0, 1].map(|i| pair.operating_pitch_radius(i, pair.center_distance));
@@ -144,7 +144,7 @@ impl MeshDynamics {
     }
 
     /// Communication step, s, to two digits. Held loads: half of the longest of the parallel master; without damping no
-    /// held force is stable at any step: then that of the damping ratio [`DAMPING_RATIO`].
+    /// held force is stable at any step: then that of the damping ratio `DAMPING_RATIO`.
     pub fn step(&self) -> f64 {
         let longest = if self.held {
             let mut damped = *self;

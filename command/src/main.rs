@@ -1,7 +1,7 @@
 //! The command `gearmesh`: from the pair file to tables, an FMU and a report.
 //!
-//! One file per subcommand. Results go to standard output, progress and errors to standard error,
-//! and the exit status is 0 only when the whole thing was done.
+//! Results go to standard output, progress and errors to standard error, and the exit status is 0 only when the whole
+//! thing was done.
 
 /// Ends a function with an error in these words.
 macro_rules! refuse {
@@ -10,20 +10,16 @@ macro_rules! refuse {
     };
 }
 
-mod cache;
 mod case;
 mod columns;
-mod cost;
-mod flank_summary;
-mod import;
 mod inspect;
 mod limits;
 mod model;
 mod new;
 mod output;
 mod pack;
+mod page;
 mod pair_summary;
-mod progress;
 mod report;
 mod rexs;
 mod solve;
@@ -32,12 +28,14 @@ mod tables;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use gearmesh_preprocessor::storage::uninterrupted;
 
 /// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
 #[derive(Debug, Parser)]
 #[command(name = "gearmesh", version, propagate_version = true)]
+// A value such as -10 is no option: it is for the option's own limits to refuse it.
+#[command(mut_subcommands(|command| command.allow_negative_numbers(true)))]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -48,20 +46,22 @@ enum Command {
     New(new::New),
     Solve(solve::Solve),
     Tables(tables::Tables),
-    Import(import::Import),
+    Import(tables::Import),
     Build(pack::Build),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Report(report::Report),
     Study(study::Study),
-    Cache(cache::Cache),
+    Cache(model::Cache),
 }
 
 /// Any error of a subcommand; its chain is printed on one line.
 type Error = Box<dyn std::error::Error>;
 
+type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// From now on the signals to interrupt and to terminate end the process after the file that is being written.
-fn stop_on_signals() -> Result<(), Error> {
+fn stop_on_signals() -> Result<()> {
     ctrlc::set_handler(|| {
         uninterrupted(|| {
             eprintln!("gearmesh: stopped; no unfinished file is left");
@@ -73,12 +73,7 @@ fn stop_on_signals() -> Result<(), Error> {
 }
 
 fn main() -> ExitCode {
-    // A value such as -10 is no option: it is for the option's own limits to refuse it.
-    let cli = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
-    let command = match Cli::from_arg_matches(&cli.get_matches()) {
-        Ok(cli) => cli.command,
-        Err(error) => error.exit(),
-    };
+    let command = Cli::parse().command;
     let result = stop_on_signals().and_then(|()| match command {
         Command::New(command) => command.run(),
         Command::Solve(command) => command.run(),

@@ -1,33 +1,25 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
-mod curves;
-mod draw;
-pub mod figure;
-mod flank;
-pub mod page;
-mod variant;
+mod sections;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gearmesh::contact::ContactSolver;
-use gearmesh::gear::Flank;
+use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
+use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
-use gearmesh::table::{Table, TableFile};
+use gearmesh::table::{Query, Table, TableFile};
+use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, LoadCase, MeshCycle};
 use gearmesh_preprocessor::pair;
 
-use crate::Error;
-use crate::case::{Case, LEGEND, details, load, summary, torque_in_words};
+use crate::case::{Case, LEGEND, details, load, load_matrix, summary, torque_in_words};
 use crate::columns::lines;
 use crate::inspect::is_tables;
-use crate::limits;
-use crate::model::{ModelArgs, widen};
-use crate::output;
+use crate::model::{Fillets, ModelArgs, widen};
+use crate::output::{self, Job};
+use crate::page::{Page, Section};
 use crate::pair_summary::pair_summary;
-use crate::progress::Job;
-use crate::study;
-use page::{Page, Section};
-use variant::{Loads, Variant};
+use crate::{Result, limits, study};
 
 /// Loads of the curves over the nominal torque; 70, 100, 130 N m of the paper's Fig. 20 are among them.
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];
@@ -79,7 +71,7 @@ pub struct Report {
 }
 
 impl Report {
-    pub fn run(self) -> Result<(), Error> {
+    pub fn run(self) -> Result<()> {
         let (pair, gauges) = pair::read_with_gauges(&self.pair)?;
         let others = self.tables.iter().chain(&self.compare);
         output::check_writable(&self.output, others.chain([&self.pair]))?;
@@ -111,10 +103,7 @@ impl Report {
             compare(&mut page.sections, sections, &name);
         }
         page.write(&self.output, self.figures.as_deref())?;
-        Ok(output::print(&format!(
-            "Wrote {}\n",
-            self.output.display()
-        ))?)
+        output::print(&format!("Wrote {}\n", self.output.display()))
     }
 
     fn loads(&self, pair: &Pair) -> Loads {
@@ -132,7 +121,6 @@ impl Report {
             torques,
             survey: evenly(largest / TORQUES as f64, largest, TORQUES),
             tilts: evenly(low, high, if low < high { MISALIGNMENTS } else { 0 }),
-            positions: self.positions,
             speeds: evenly(speed / SPEEDS as f64, speed, SPEEDS),
         }
     }
@@ -147,23 +135,29 @@ impl Report {
         let model = self.model.model(&pair, roots, job)?;
         let solver = &model.solver;
         let with_roots = Variant::Pair(solver, model.fillets.as_ref());
-        let aligned = with_roots.cases(&loads.torques, &[0.0], loads.positions)?;
+        let aligned = with_roots.cases(&loads.torques, &[0.0], self.positions)?;
         let variant = Variant::Pair(solver, None);
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
-        let nominal = variant.cases(&[loads.nominal], &tilts, loads.positions)?;
-        let mut sections = vec![flank::modifications(&pair)];
-        sections.extend(variant_sections(&variant, loads, &aligned)?);
-        sections.insert(2, table(solver, &aligned));
-        sections.push(curves::losses(&pair, solver, loads)?);
-        sections.extend(flank::carried(&pair, &aligned, &nominal[0], &nominal[1..]));
+        let nominal = variant.cases(&[loads.nominal], &tilts, self.positions)?;
+        let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
+        let mut all = vec![sections::modifications(&pair)];
+        all.extend(variant_sections(&variant, loads, &aligned, &survey)?);
+        all.insert(2, table(solver, &aligned));
+        all.push(sections::losses(&pair, solver, loads, &survey));
+        all.extend(sections::carried(
+            &pair,
+            &aligned,
+            &nominal[0],
+            &nominal[1..],
+        ));
         if self.model.root_stress {
-            sections.push(flank::roots(&aligned, loads.nominal));
+            all.push(sections::roots(&aligned, loads.nominal));
         }
-        Ok((model.description, sections))
+        Ok((model.description, all))
     }
 
-    fn tables_section(&self, path: &Path, pair: &Pair) -> Result<Section, Error> {
+    fn tables_section(&self, path: &Path, pair: &Pair) -> Result<Section> {
         let file = TableFile::read(path)?;
         let [path, own] = [path, &self.pair].map(Path::display);
         if file.geometry != pair.geometry {
@@ -184,33 +178,33 @@ impl Report {
         let table = Table::read(path)?;
         let name = format!("tables of {}", table.file().name);
         let variant = Variant::Tables(Box::new(table));
-        let cases = variant.cases(&loads.torques, &[0.0], loads.positions)?;
-        Ok((name, variant_sections(&variant, loads, &cases)?))
+        let cases = variant.cases(&loads.torques, &[0.0], self.positions)?;
+        let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
+        Ok((name, variant_sections(&variant, loads, &cases, &survey)?))
     }
 }
 
 /// What something is in words, and the sections on it.
-type Described = Result<(String, Vec<Section>), Error>;
+type Described = Result<(String, Vec<Section>)>;
 
 fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
     let step = (high - low) / (count as f64 - 1.0);
     (0..count).map(|i| low + step * i as f64).collect()
 }
 
-/// What pair files and tables both show; `cases` are those at the torques of the curves.
+/// What pair files and tables both show: `cases` at the torques of the curves, and those of the aligned `survey`.
 fn variant_sections(
     variant: &Variant,
     loads: &Loads,
     cases: &[Case],
-) -> Result<Vec<Section>, Error> {
-    let mut sections = vec![
-        curves::cycle(variant, cases),
-        curves::torque(variant, loads)?,
-    ];
+    survey: &[Case],
+) -> Result<Vec<Section>> {
+    let mut all = vec![sections::cycle(variant, cases)];
+    all.push(sections::torque(variant, loads, survey));
     if !loads.tilts.is_empty() {
-        sections.push(curves::misalignment(variant, loads)?);
+        all.push(sections::misalignment(variant, loads)?);
     }
-    Ok(sections)
+    Ok(all)
 }
 
 /// Adds to `sections` what those of the variant `name` show; its table becomes a section of its own.
@@ -254,5 +248,93 @@ fn table(solver: &ContactSolver, cases: &[Case]) -> Section {
     Section {
         table: lines(&columns, cases),
         ..Section::new("In numbers", note, vec![])
+    }
+}
+
+/// Loads at which every variant is shown: those of the operating range of the reported pair.
+pub struct Loads {
+    pub nominal: f64,
+    /// Torques of the curves over the mesh cycle, N m.
+    pub torques: Vec<f64>,
+    pub survey: Vec<f64>,
+    /// Misalignments over their range, rad; empty where there is none.
+    pub tilts: Vec<f64>,
+    pub speeds: Vec<f64>,
+}
+
+pub enum Variant<'a> {
+    /// With its fillets where the stress in the roots is shown.
+    Pair(&'a ContactSolver, Option<&'a Fillets>),
+    Tables(Box<Table>),
+}
+
+impl Variant<'_> {
+    pub fn geometry(&self) -> &PairGeometry {
+        match self {
+            Variant::Pair(solver, _) => solver.geometry(),
+            Variant::Tables(table) => table.geometry(),
+        }
+    }
+
+    /// Mesh cycles of the drive flank for each of `torques` (N m) with each of `misalignments` (rad); tables know STE, stiffness, z_c.
+    pub fn cases(
+        &self,
+        torques: &[f64],
+        misalignments: &[f64],
+        positions: usize,
+    ) -> Result<Vec<Case>, ContactError> {
+        let loads = load_matrix(torques, misalignments);
+        let input = |load: &LoadCase| CycleInput {
+            flank: Flank::Drive,
+            torque: load.torque,
+            center_distance_offset: 0.0,
+            misalignment: load.misalignment,
+            positions,
+        };
+        match self {
+            Variant::Pair(solver, fillets) => {
+                Case::solve_all(solver, *fillets, &input(&loads[0]), &loads, &|_| {})
+            }
+            Variant::Tables(table) => Ok(loads.iter().map(|l| of_table(table, input(l))).collect()),
+        }
+    }
+}
+
+fn of_table(table: &Table, input: CycleInput) -> Case {
+    let geometry = table.geometry();
+    let force = input.torque / geometry.gears[0].base_radius();
+    let (flank, _) = table.flank(Flank::Drive);
+    let result = |&mesh_position: &f64| {
+        let mut pose = Query {
+            misalignment: input.misalignment,
+            mesh_position,
+            ..Query::default()
+        };
+        pose.delta = flank.approach_at(force, &pose);
+        let found = flank.evaluate(&pose, false);
+        ContactResult {
+            approach: pose.delta,
+            contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],
+            tangent: Tangent {
+                force_by_approach: found.hessian[0][0],
+                ..Tangent::default()
+            },
+            ..ContactResult::default()
+        }
+    };
+    let positions = (0..input.positions).map(|i| i as f64 / input.positions as f64);
+    let mesh_position: Vec<f64> = positions.collect();
+    Case {
+        input,
+        cycle: MeshCycle {
+            results: mesh_position.iter().map(result).collect(),
+            mesh_position,
+            sliding: vec![],
+            friction: vec![],
+            loads: vec![],
+            solve_seconds: 0.0,
+        },
+        face_load: FaceLoad::default(),
+        roots: None,
     }
 }

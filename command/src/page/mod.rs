@@ -1,7 +1,72 @@
-//! Charts as data: one description gives the picture, the CSV file, and a comparison of two variants.
+//! An HTML page of sections with text, tables and charts, by `templates/page.html`. Charts are data: one description gives the
+//! picture, the CSV file, and a comparison of two variants.
 
-use super::draw;
-use crate::Error;
+mod draw;
+
+use std::path::Path;
+
+use askama::Template;
+
+use crate::{Result, output};
+
+#[derive(Template, Default)]
+#[template(path = "page.html")]
+pub struct Page {
+    pub title: String,
+    pub sections: Vec<Section>,
+}
+
+#[derive(Default)]
+pub struct Section {
+    pub heading: String,
+    pub note: String,
+    pub text: String,
+    /// Rows of cells, heads and units first.
+    pub table: Vec<Vec<String>>,
+    pub figures: Vec<Figure>,
+}
+
+impl Section {
+    pub fn new(heading: &str, note: impl Into<String>, figures: Vec<Figure>) -> Section {
+        Section {
+            heading: heading.into(),
+            note: note.into(),
+            figures,
+            ..Section::default()
+        }
+    }
+
+    pub fn anchor(&self) -> String {
+        slug(&self.heading)
+    }
+
+    pub fn with_text(self, text: String) -> Section {
+        Section { text, ..self }
+    }
+}
+
+/// Small letters and digits of `title` with hyphens between words: an anchor, the name of a file.
+fn slug(title: &str) -> String {
+    // A sign distinguishes two charts.
+    let title = title.replace(" -", " minus ").to_lowercase();
+    let words = title.split(|c: char| !c.is_alphanumeric());
+    let words: Vec<&str> = words.filter(|w| !w.is_empty()).collect();
+    words.join("-")
+}
+
+impl Page {
+    /// Writes the page to `path`, and every figure as SVG and CSV into the folder `figures`.
+    pub fn write(&self, path: &Path, figures: Option<&Path>) -> Result<()> {
+        if let Some(folder) = figures {
+            for figure in self.sections.iter().flat_map(|section| &section.figures) {
+                let file = |end: &str| folder.join(slug(&figure.title) + end);
+                output::write_whole(&file(".svg"), figure.svg()?.as_bytes())?;
+                output::write_whole(&file(".csv"), &figure.csv()?)?;
+            }
+        }
+        output::write_whole(path, self.render()?.as_bytes())
+    }
+}
 
 #[derive(Debug, Clone)]
 pub struct Figure {
@@ -71,6 +136,20 @@ pub struct Patch {
     pub value: Option<f64>,
 }
 
+impl Patch {
+    /// Around its node; a value that is NaN is none.
+    pub fn new(ends: [[f64; 2]; 2], value: Option<f64>) -> Patch {
+        Patch {
+            node: ends.map(|[a, b]| 0.5 * (a + b)),
+            ends,
+            value: value.filter(|value| value.is_finite()),
+        }
+    }
+}
+
+/// Ends of a range that holds nothing.
+const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
 impl Map {
     /// `values` row by row in cells around the nodes of both axes; the scale reaches to the largest, at least to `top`.
     pub fn on_nodes(
@@ -80,18 +159,11 @@ impl Map {
     ) -> Map {
         let axes = [columns, rows].map(cells);
         let [x, y] = &axes;
-        let pairs = y.iter().flat_map(|y| x.iter().map(move |x| [*x, *y]));
-        let patch = |(ends, value): ([[f64; 2]; 2], f64)| Patch {
-            node: ends.map(|[low, high]| 0.5 * (low + high)),
-            ends,
-            value: value.is_finite().then_some(value),
-        };
-        let patches: Vec<Patch> = pairs.zip(values).map(patch).collect();
-        let ends = axes.map(|cells| {
-            let ends = || cells.iter().flatten().copied();
-            let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];
-            [ends().fold(low, f64::min), ends().fold(high, f64::max)]
-        });
+        let cells = y.iter().flat_map(|y| x.iter().map(move |x| [*x, *y]));
+        let patch = |(ends, value)| Patch::new(ends, Some(value));
+        let patches: Vec<Patch> = cells.zip(values).map(patch).collect();
+        let wider = |[low, high]: [f64; 2], end: f64| [low.min(end), high.max(end)];
+        let ends = axes.map(|cells| cells.into_iter().flatten().fold(NOTHING, wider));
         let top = patches.iter().filter_map(|p| p.value).fold(top, f64::max);
         Map { ends, patches, top }
     }
@@ -118,33 +190,21 @@ fn cells(nodes: &[f64]) -> Vec<[f64; 2]> {
     nodes.iter().enumerate().map(cell).collect()
 }
 
-/// Charts of curves, `"title", [label of x, of y], height => curves;` for each.
+/// Charts: `"title", [label of x, of y], height => curves;` or `"title", [label of x, of y, of the scale] => map;` for each.
 macro_rules! charts {
-    ($($title:expr, $labels:expr, $height:expr => $curves:expr;)*) => {
-        vec![$($crate::report::figure::Figure::lines($title, $labels, $height, $curves)),*]
+    (@ $height:expr, $curves:expr) => { $crate::page::Plot::Lines($height, $curves) };
+    (@ $map:expr) => { $crate::page::Plot::Map($map) };
+    ($($title:expr, $labels:expr $(, $height:expr)? => $drawn:expr;)*) => {
+        vec![$($crate::page::Figure::new($title, &$labels, charts!(@ $($height,)? $drawn))),*]
     };
 }
 pub(crate) use charts;
 
 impl Figure {
-    pub fn lines(
-        title: impl Into<String>,
-        labels: [&str; 2],
-        height: Height,
-        curves: Vec<Curve>,
-    ) -> Figure {
-        Figure::new(title.into(), &labels, Plot::Lines(height, curves))
-    }
-
-    pub fn map(title: impl Into<String>, labels: [&str; 3], map: Map) -> Figure {
-        Figure::new(title.into(), &labels, Plot::Map(map))
-    }
-
-    fn new(title: String, labels: &[&str], plot: Plot) -> Figure {
-        let labels = labels.iter().map(|label| label.to_string()).collect();
+    pub fn new(title: impl Into<String>, labels: &[&str], plot: Plot) -> Figure {
         Figure {
-            title,
-            labels,
+            title: title.into(),
+            labels: labels.iter().map(|label| label.to_string()).collect(),
             plot,
         }
     }
@@ -158,26 +218,22 @@ impl Figure {
     }
 
     /// Every point of the curves, or the node of every patch with its value.
-    pub fn csv(&self) -> Result<Vec<u8>, Error> {
+    pub fn csv(&self) -> Result<Vec<u8>> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         match &self.plot {
             Plot::Lines(_, curves) => {
                 writer.write_record(["curve", &self.labels[0], &self.labels[1]])?;
-                for Curve {
-                    label,
-                    points,
-                    style,
-                } in curves
-                {
-                    let name = match style {
+                for curve in curves {
+                    let label = &curve.label;
+                    let name = match &curve.style {
                         Style::Dashed(variant) => &format!("{label} ({variant})"),
                         _ => label,
                     };
-                    for (x, y) in points {
+                    for (x, y) in &curve.points {
                         writer.serialize((name, x, y))?;
                     }
-                    if let Style::Band(low) = style {
-                        for ((x, _), y) in points.iter().zip(low) {
+                    if let Style::Band(low) = &curve.style {
+                        for ((x, _), y) in curve.points.iter().zip(low) {
                             writer.serialize((format!("{label}, lower end"), x, y))?;
                         }
                     }
@@ -227,7 +283,8 @@ mod tests {
         assert_eq!(map.patches[4].value, Some(4.0));
         let map = map.cut(1.0, 3.0);
         assert_eq!(map.patches[0].ends[0], [1.0, 1.5]);
-        let csv = Figure::map("", ["x", "y", "v"], map).csv().unwrap();
+        let figure = Figure::new("", &["x", "y", "v"], Plot::Map(map));
+        let csv = figure.csv().unwrap();
         assert!(csv.starts_with(b"x,y,v\n1.0,10.0,0.0\n2.0,10.0,1.0\n"));
     }
 
@@ -235,18 +292,40 @@ mod tests {
     fn a_comparison_is_in_the_same_chart_on_the_same_scale() {
         let lines = |y: f64| {
             let curve = Curve::new("STE", [(0.0, y), (1.0, f64::NAN)]);
-            Figure::lines("", ["x", "y"], Height::FromZero(0.0), vec![curve])
+            charts! { "", ["x", "y"], Height::FromZero(0.0) => vec![curve]; }.remove(0)
         };
         let mut figure = lines(1.0);
         assert!(figure.compare(lines(2.0), "other").is_none());
         let csv = figure.csv().unwrap();
         assert_eq!(csv, b"curve,x,y\nSTE,0.0,1.0\nSTE (other),0.0,2.0\n");
-        let map = |value| Figure::map("p", [""; 3], Map::on_nodes([&[0.0]; 2], [value], 0.0));
+        let map = |value| {
+            let map = Map::on_nodes([&[0.0]; 2], [value], 0.0);
+            Figure::new("p", &[""; 3], Plot::Map(map))
+        };
         let mut figure = map(1.0);
         let other = figure.compare(map(3.0), "other").unwrap();
         assert_eq!(other.title, "p (other)");
         for Figure { plot, .. } in [figure, other] {
             assert!(matches!(plot, Plot::Map(Map { top: 3.0, .. })));
         }
+    }
+
+    #[test]
+    fn a_name_cannot_break_out_of_the_page() {
+        let mut section = Section::new("a & b", "\"c\"", vec![]).with_text("<u>".into());
+        section.table = [["<i>"], [""], ["1 < 2"]]
+            .map(|row| row.map(Into::into).into())
+            .into();
+        let (title, sections) = ("<script>".into(), vec![section]);
+        let html = Page { title, sections }.render().unwrap();
+        for tag in ["<script>", "<i>", "<u>"] {
+            assert!(!html.contains(tag), "{html}");
+        }
+        assert!(
+            html.contains("a &#38; b") && html.contains("1 &#60; 2"),
+            "{html}"
+        );
+        assert_eq!(slug("STE at 100 N m, 0.5 mrad"), "ste-at-100-n-m-0-5-mrad");
+        assert_ne!(slug("at -3.00 mrad"), slug("at +3.00 mrad"));
     }
 }

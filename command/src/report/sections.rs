@@ -1,0 +1,338 @@
+//! What a report shows, section by section: transmission error, stiffness and losses over the mesh cycle and over the operating
+//! range, the modifications as a gear is inspected, pressure and load on the flanks, stress in the roots.
+
+use gearmesh::contact::{ContactResult, ContactSolver, SegmentLoad};
+use gearmesh::friction::{Loss, ohlendorf};
+use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::pair::Pair;
+
+use super::{Loads, Variant, evenly};
+use crate::Result;
+use crate::case::{Case, torque_in_words};
+use crate::page::{Curve, Figure, Height, Map, Patch, Section, charts};
+
+/// Positions over a mesh cycle of the survey: enough for five harmonics and within a few per cent of the peak-to-peak value.
+pub const POSITIONS: usize = 24;
+const HARMONICS: usize = 3;
+/// Least height of an axis of transmission errors, um: what lies below is rounding and the solver's tolerance.
+const LEAST_ERROR: f64 = 1e-3;
+/// Least height of the axis of the contact's position, over the face width.
+const LEAST_WAY: f64 = 0.1;
+
+const TORQUE: &str = "torque on gear 1 (N m)";
+const MISALIGNMENT: &str = "misalignment (mrad)";
+const SPEED: &str = "speed of gear 1 (rpm)";
+const POSITION: &str = "mesh position";
+
+/// Pressures below this are left white, MPa.
+const VISIBLE: f64 = 1.0;
+const LINE_POSITIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+const TRACE_POINTS: usize = 201;
+
+/// A quantity over the mesh cycle, a curve for every load; the first point is repeated at 1.
+fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> Vec<Curve> {
+    let curve = |case: &Case| {
+        let results = &case.cycle.results;
+        let results = results.iter().chain(results.first());
+        let values = results.map(|result| value(case, result));
+        let positions = case.cycle.mesh_position.iter().copied().chain([1.0]);
+        // Torques of a survey have no end of digits.
+        let torque = format!("{:.3e}", case.input.torque).parse();
+        let torque = torque.unwrap_or(case.input.torque);
+        Curve::new(torque_in_words(torque), positions.zip(values))
+    };
+    cases.iter().map(curve).collect()
+}
+
+pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
+    let least_way = LEAST_WAY * 1e3 * variant.geometry().face_overlap().1;
+    let mut figures = charts! {
+        "Static transmission error about its mean", [POSITION, "STE less its mean (um)"], Height::Curves(LEAST_ERROR)
+            => over_cycle(cases, |c, r| 1e6 * (r.approach - c.cycle.mean_ste()));
+        "Mesh stiffness", [POSITION, "stiffness (N/um)"], Height::FromZero(0.0)
+            => over_cycle(cases, |_, r| 1e-6 * r.tangent.force_by_approach);
+        "Contact position along the face", [POSITION, "z_c (mm)"], Height::Curves(least_way)
+            => over_cycle(cases, |_, r| 1e3 * r.contact_z);
+    };
+    if let Variant::Pair(..) = variant {
+        figures.extend(charts! {
+            "Load share of one tooth pair", [POSITION, "share of the load"], Height::FromZero(0.0)
+                => cases.iter().map(load_share).collect();
+        });
+    }
+    let note = "STE: on the line of action at mid-face; the table below has the mean. At mesh position 0 a tooth pair touches at the \
+                pitch point; the load share is that of this pair from the start of its contact to the end. Stiffness: tangent, \
+                dF/d(STE), on the line of action. z_c: axial position of the resultant force, from gear 1's z = 0 face.";
+    Section::new("Over the mesh cycle", note, figures)
+}
+
+/// Share of one tooth pair as it moves through the mesh.
+fn load_share(case: &Case) -> Curve {
+    let shares = case.cycle.results.iter().enumerate().flat_map(|(i, r)| {
+        let shares = r.load_share.iter();
+        shares.map(move |&(pair, share)| (i, pair, share))
+    });
+    let curve = through_mesh(case, shares);
+    // Keep one point without load at either side.
+    let is_loaded = |p: &(f64, f64)| p.1 > 0.0;
+    let all = curve.points.len();
+    let first = curve.points.iter().position(is_loaded).unwrap_or(0);
+    let last = curve.points.iter().rposition(is_loaded).unwrap_or(all);
+    let points = curve.points[first.saturating_sub(1)..all.min(last + 2)].to_vec();
+    Curve { points, ..curve }
+}
+
+/// Values of one tooth pair through the mesh: pair k at position tau is pair 0 at tau + k.
+pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>) -> Curve {
+    let position = |i: usize, pair| case.cycle.mesh_position[i] + f64::from(pair);
+    let points = values.map(|(i, pair, value)| (position(i, pair), value));
+    let mut curve = Curve::new(torque_in_words(case.input.torque), points);
+    curve.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    curve
+}
+
+/// Peak-to-peak value and harmonics of each of `cases` over `x`; in um, or of the harmonics alone in dB.
+fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<Curve> {
+    let teeth = variant.geometry().gears[0].teeth as usize;
+    let scale = |um: f64| if in_db { 20.0 * um.log10() } else { um };
+    let curve = |label: String, value: &dyn Fn(&Case) -> f64| {
+        let values = cases.iter().map(|case| scale(1e6 * value(case)));
+        Curve::new(label, x.iter().copied().zip(values))
+    };
+    let harmonic = |h: usize| {
+        let amplitude = |c: &Case| c.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| h.amplitude);
+        curve(format!("order {}", h * teeth), &amplitude)
+    };
+    let mut curves: Vec<Curve> = (1..=HARMONICS).map(harmonic).collect();
+    let swing = |case: &Case| case.cycle.peak_to_peak_ste();
+    curves.extend((!in_db).then(|| curve("peak to peak".into(), &swing)));
+    curves
+}
+
+/// Over the torques of the `survey`, aligned.
+pub fn torque(variant: &Variant, loads: &Loads, survey: &[Case]) -> Section {
+    let figures = charts! {
+        "Orders of the STE over torque", [TORQUE, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
+            => amplitudes(variant, &loads.survey, survey, false);
+        "Orders of the STE over torque in dB", [TORQUE, "amplitude (dB re 1 um)"], Height::Curves(1.0)
+            => amplitudes(variant, &loads.survey, survey, true);
+        "Harris map", [POSITION, "STE (um)"], Height::Curves(LEAST_ERROR)
+            => over_cycle(survey, |_, r| 1e6 * r.approach);
+    };
+    let note = "Aligned, on the line of action. Orders are those of gear 1: its number of teeth is the mesh frequency, twice that its second \
+                harmonic. Harris map: the whole STE over the mesh cycle for torques up to the largest.";
+    Section::new("Over torque", note, figures)
+}
+
+pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section> {
+    let mrad: Vec<f64> = loads.tilts.iter().map(|m| 1e3 * m).collect();
+    let tilted = variant.cases(&[loads.nominal], &loads.tilts, POSITIONS)?;
+    let all = variant.cases(&loads.survey, &loads.tilts, POSITIONS)?;
+    let swings = all.iter().map(|case| 1e6 * case.cycle.peak_to_peak_ste());
+    let figures = charts! {
+        "Orders of the STE over misalignment", [MISALIGNMENT, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
+            => amplitudes(variant, &mrad, &tilted, false);
+        "Peak-to-peak STE over misalignment and torque", [MISALIGNMENT, TORQUE, "p-p STE (um)"]
+            => Map::on_nodes([&mrad, &loads.survey], swings, LEAST_ERROR);
+    };
+    let torque = torque_in_words(loads.nominal);
+    let note = format!("Misalignment in the plane of action. The orders are those at {torque}.");
+    Ok(Section::new("Over misalignment", note, figures))
+}
+
+pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads, survey: &[Case]) -> Section {
+    let map = |value: fn(&Loss) -> f64| {
+        let at_torque = |case: &Case| -> Vec<f64> {
+            let speeds = loads.speeds.iter();
+            speeds.map(|rpm| value(&case.loss(pair, *rpm))).collect()
+        };
+        let values = survey.iter().flat_map(at_torque);
+        Map::on_nodes([&loads.speeds, &loads.survey], values, 0.0)
+    };
+    let over_torque = |label, value: &dyn Fn(&Case) -> f64| {
+        let points = survey.iter().map(|case| (case.input.torque, value(case)));
+        Curve::new(label, points)
+    };
+    let even = ohlendorf(&pair.geometry, pair.geometry.center_distance);
+    let figures = charts! {
+        "Power lost", [SPEED, TORQUE, "W"] => map(|loss| loss.power);
+        "Power lost over that transmitted", [SPEED, TORQUE, "%"] => map(|loss| 100.0 * (1.0 - loss.efficiency));
+        "Loss factor", [TORQUE, "loss factor"], Height::FromZero(0.0) => vec![
+            over_torque("by the load share", &|case| case.loss_factor(solver)),
+            over_torque("Ohlendorf", &|_| even),
+        ];
+    };
+    let note = "Friction between the teeth alone, with the law of the coefficient that the pair file chooses, the mean over the mesh \
+                cycle; aligned. The loss factor is the share of the power that is lost at a coefficient of 1: by the share of the load \
+                as it is, and with load shared evenly (Ohlendorf).";
+    Section::new("Losses over speed and torque", note, figures)
+}
+
+/// Maps of both gears for each of `cases` on one common scale, titled `what` it is, gear and `load` of the case. Every loaded
+/// segment of the mesh cycle is a patch, as high as the contact moves from one position to the next; `value` is None at a tip edge.
+fn patterns(
+    geometry: &PairGeometry,
+    cases: &[Case],
+    [what, unit]: [&str; 2],
+    load: impl Fn(&Case) -> String,
+    value: impl Fn(&SegmentLoad) -> Option<f64>,
+) -> Vec<Figure> {
+    let c = geometry.center_distance;
+    let path = geometry.path_of_contact(c);
+    let mut maps = Vec::new();
+    for (case, i) in cases.iter().flat_map(|case| [(case, 0), (case, 1)]) {
+        let gear = &geometry.gears[i];
+        let half_step = 0.5 * geometry.base_pitch() / case.input.positions as f64;
+        let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
+        let patch = |s: &SegmentLoad| {
+            let along_profile = [-half_step, half_step].map(|step| diameter(s.roll[i] + step));
+            Patch::new([s.z.map(|z| 1e3 * z), along_profile], value(s))
+        };
+        let segments = case.cycle.loads.iter().flatten();
+        let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
+        let mut ends = [path.start, path.end].map(|xi| diameter(geometry.roll_at(i, c, xi)));
+        ends.sort_by(f64::total_cmp);
+        let margin = 0.04 * (ends[1] - ends[0]);
+        let z = [gear.face_offset, gear.face_offset + gear.face_width];
+        let ends = [z.map(|z| 1e3 * z), [ends[0] - margin, ends[1] + margin]];
+        let title = format!("{what} on gear {} at {}", i + 1, load(case));
+        maps.push((title, ends, seen.map(patch).collect::<Vec<_>>()));
+    }
+    let patches = maps.iter().flat_map(|(_, _, patches)| patches);
+    let top = patches.filter_map(|p| p.value).fold(1.0, f64::max);
+    let labels = ["z (mm)", "diameter (mm)", unit];
+    let figure = |(title, ends, patches)| charts! { title, labels => Map { ends, patches, top }; };
+    maps.into_iter().flat_map(figure).collect()
+}
+
+/// What the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the contact lines.
+pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> Vec<Section> {
+    let geometry = &pair.geometry;
+    let cos_beta_b = geometry.base_helix_angle().cos();
+    let torque = |case: &Case| torque_in_words(case.input.torque);
+    let tilt = |case: &Case| format!("{:+.2} mrad", 1e3 * case.input.misalignment);
+    let pressure = |s: &SegmentLoad| s.edge.is_none().then_some(1e-6 * s.pressure);
+    let line_load = |s: &SegmentLoad| Some(1e-3 * s.line_load(cos_beta_b));
+    let pattern = ["Contact pattern", "pressure (MPa)"];
+    let distribution = ["Load distribution", "line load (N/mm)"];
+
+    let note = "Largest pressure that each point of the flank sees over the mesh cycle. Blue: contact reaches the tip edge of this gear, or \
+                of its mate where it meets the root; at a sharp edge pressure has no bound, so it is not on the scale. z: from gear 1's \
+                z = 0 face.";
+    let figures = patterns(geometry, cases, pattern, torque, pressure);
+    let mut sections = vec![Section::new("Contact pattern", note, figures)];
+    if !tilted.is_empty() {
+        let heading = "Contact pattern under misalignment";
+        let note =
+            "At the nominal torque and the limits of the misalignment in the plane of action.";
+        let figures = patterns(geometry, tilted, pattern, tilt, pressure);
+        sections.push(Section::new(heading, note, figures));
+    }
+    let note = "Largest normal force per length of contact line that each point of the flank carries over the mesh cycle.";
+    let figures = patterns(geometry, cases, distribution, torque, line_load);
+    sections.push(Section::new("Load distribution", note, figures));
+    let note = format!(
+        "At {} and four positions of the mesh; one curve for each tooth pair in contact, up to where contact reaches a tip edge.",
+        torque(nominal)
+    );
+    let lines = LINE_POSITIONS.map(|tau| contact_lines(nominal, tau));
+    let heading = "Pressure along the contact lines";
+    sections.push(Section::new(heading, note, lines.concat()));
+    sections
+}
+
+/// Pressure inside the flanks along z for every tooth pair in contact at the position of the cycle nearest below `tau`.
+fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
+    let i = (tau * case.input.positions as f64) as usize;
+    let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
+    let segments: Vec<&SegmentLoad> = case.cycle.loads[i].iter().filter(inside).collect();
+    let curve = |segments: &[&SegmentLoad]| {
+        let point = |s: &&SegmentLoad| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6);
+        let points = segments.iter().map(point);
+        Curve::new(format!("pair {}", segments[0].tooth_pair), points)
+    };
+    let pairs = segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair);
+    let position = case.cycle.mesh_position[i];
+    charts! {
+        format!("Pressure at mesh position {position}"), ["z (mm)", "pressure (MPa)"], Height::FromZero(0.0)
+            => pairs.map(curve).collect::<Vec<_>>();
+    }
+}
+
+/// Profile and lead traces of each flank, as an inspection chart has them.
+pub fn modifications(pair: &Pair) -> Section {
+    let geometry = &pair.geometry;
+    let mut figures = Vec::new();
+    for (i, gear) in geometry.gears.iter().enumerate() {
+        let start = geometry.active_start_roll(i, geometry.center_distance);
+        let pitch = gear.roll_length(geometry.operating_pitch_radius(i, geometry.center_distance));
+        let trace = |ends: [f64; 2], coordinates: &dyn Fn(f64) -> [f64; 2]| {
+            let curve = |(flank, name)| {
+                let m = &pair.microgeometry.flank(flank)[i];
+                let along = evenly(ends[0], ends[1], TRACE_POINTS).into_iter();
+                let point = |s| {
+                    let [roll, z] = coordinates(s);
+                    (1e3 * s, -1e6 * m.removal(gear, roll, z))
+                };
+                Curve::new(name, along.map(point))
+            };
+            let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
+            let [drive, coast] = flanks.map(curve);
+            match drive.points == coast.points {
+                true => vec![Curve::new("both flanks", drive.points)],
+                false => vec![drive, coast],
+            }
+        };
+        let profile = trace([start, gear.tip_form_roll()], &|roll| {
+            [roll, 0.5 * gear.face_width]
+        });
+        let lead = trace([0.0, gear.face_width], &|z| [pitch, z]);
+        let number = i + 1;
+        figures.extend(charts! {
+            format!("Profile of gear {number}"), ["length of roll (mm)", "deviation (um)"], Height::Curves(1.0) => profile;
+            format!("Lead of gear {number}"), ["z from the gear's own z = 0 face (mm)", "deviation (um)"], Height::Curves(1.0) => lead;
+        });
+    }
+    let note = "Deviation from the involute helicoid, material removed downwards: the profile at mid-face from the start of the active \
+                profile to the tip, the lead at the pitch point.";
+    Section::new("Modifications as inspected (K-chart)", note, figures)
+}
+
+/// Stress of one tooth of either gear through the mesh, and the fillets where it is largest at the torque `nominal`.
+pub fn roots(cases: &[Case], nominal: f64) -> Section {
+    let curve = |case: &Case, i: usize| -> Option<Curve> {
+        let teeth = case.roots.as_ref()?[i].teeth.iter();
+        let stresses = teeth.map(|t| (t.position, t.tooth_pair, 1e-6 * t.largest.stress));
+        Some(through_mesh(case, stresses))
+    };
+    let curves = |i| cases.iter().filter_map(|case| curve(case, i)).collect();
+    let labels = ["mesh position of the tooth", "root stress (MPa)"];
+    let mut figures = charts! {
+        "Root stress of gear 1", labels, Height::FromZero(0.0) => curves(0);
+        "Root stress of gear 2", labels, Height::FromZero(0.0) => curves(1);
+    };
+    let nominal = cases.iter().find(|case| case.input.torque == nominal);
+    let gears = nominal.and_then(|case| case.roots.as_ref());
+    for (i, gear) in gears.into_iter().flatten().enumerate() {
+        let Some(largest) = gear.largest() else {
+            continue;
+        };
+        let rows = &gear.field;
+        let z: Vec<f64> = rows.iter().map(|row| 1e3 * row[0].z).collect();
+        let tangents = rows[0].iter().map(|point| point.tangent.to_degrees());
+        let tangents: Vec<f64> = tangents.collect();
+        let along_face = |k: usize| rows.iter().map(move |row| 1e-6 * row[k].stress);
+        let values = (0..tangents.len()).flat_map(along_face);
+        let map = Map::on_nodes([&z, &tangents], values, 1e-6 * largest.largest.stress);
+        // The outermost nodes lie on the faces.
+        let map = map.cut(z[0], z[z.len() - 1]);
+        figures.extend(charts! {
+            format!("Fillet of gear {} at the largest root stress", i + 1), ["z (mm)", "tangent (deg)", "root stress (MPa)"] => map;
+        });
+    }
+    let note = "Largest principal stress in the fillet of one tooth of either gear on its way through the mesh, from finite elements; at 0 its \
+                tooth pair touches at the pitch point at mid-face. Fillets: over the face and over the angle of the fillet's tangent \
+                with the tooth's centre line (90 degrees: root circle), at the nominal torque and the mesh position where the stress is \
+                largest.";
+    Section::new("Tooth root stress", note, figures)
+}

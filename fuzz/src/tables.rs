@@ -148,7 +148,7 @@ fn evaluate(table: &Table) {
             teeth: file.teeth.is_some(),
             ..*table.effects()
         };
-        let Some(table) = told(table.sliced(&effects)) else {
+        let Some(table) = told(Table::with_effects(file.clone(), effects)) else {
             continue;
         };
         for flank in [Flank::Drive, Flank::Coast] {

@@ -160,7 +160,7 @@ impl Element {
             StiffnessModel::Table | StiffnessModel::Teeth => {
                 let mut table = table.ok_or(ElementError::NoTable)?;
                 if *table.effects() != effects {
-                    table = Arc::new(table.sliced(&effects)?);
+                    table = Arc::new(Table::with_effects(table.file().clone(), effects)?);
                 }
                 let largest = table.file().maximum_torque_nm;
                 // Else the damping would never act in full, without a word.

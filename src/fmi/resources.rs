@@ -448,7 +448,7 @@ pub(super) mod tests {
         );
         assert!(Arc::ptr_eq(&one, &two) && !Arc::ptr_eq(&one, &fewer));
         assert!(
-            std::ptr::eq(one.file(), fewer.file()),
+            Arc::ptr_eq(one.file(), fewer.file()),
             "the samples are shared even then"
         );
         drop((one, two, fewer));

@@ -2,7 +2,7 @@
 
 use super::error::refused;
 use super::interpolation::{Block, at_zero};
-use super::records::{LoadSamples, SlidingSamples};
+use super::records::SlidingSamples;
 use super::{Query, TableError};
 use serde::{Deserialize, Serialize};
 
@@ -48,23 +48,25 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// Whether centre distance, misalignment and mesh position have an axis.
-    pub fn present(&self) -> [bool; 3] {
+    /// Nodes in the order of the samples: centre distance, misalignment, displacement, mesh position.
+    pub fn nodes(&self) -> [&[f64]; 4] {
         [
-            self.center_distance_offset.len() > 1,
-            self.misalignment.len() > 1,
-            self.mesh_position.len() > 1,
+            &self.center_distance_offset,
+            &self.misalignment,
+            &self.displacement_fraction,
+            &self.mesh_position,
         ]
     }
 
-    /// Lengths in the order of the samples: centre distance, misalignment, displacement, mesh position.
+    /// Number of nodes along each axis, in that order.
     pub fn lengths(&self) -> [usize; 4] {
-        [
-            self.center_distance_offset.len(),
-            self.misalignment.len(),
-            self.displacement_fraction.len(),
-            self.mesh_position.len(),
-        ]
+        self.nodes().map(<[f64]>::len)
+    }
+
+    /// Whether centre distance, misalignment and mesh position have an axis.
+    pub fn present(&self) -> [bool; 3] {
+        let [c, m, _, p] = self.lengths().map(|n| n > 1);
+        [c, m, p]
     }
 
     /// The nodes along `axis`.
@@ -87,11 +89,7 @@ impl Axes {
         }
         // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
         check_spacing(name, &[&[0.0], u.as_slice()].concat(), 1e-6)?;
-        check_axes(
-            "axes",
-            [&self.center_distance_offset, &self.misalignment],
-            &self.mesh_position,
-        )
+        check_axes("axes", self.nodes())
     }
 }
 
@@ -202,11 +200,11 @@ impl FlankGrid {
     /// # Errors
     /// 0 lies outside the axis.
     pub fn sliced(&self, axis: Axis) -> Result<FlankGrid, TableError> {
-        let nodes = self.axes.clone().along_mut(axis).clone();
+        let nodes = self.axes.nodes()[axis as usize];
         if nodes.len() == 1 {
             return Ok(self.clone());
         }
-        let zero = at_zero(&nodes, axis.name())?;
+        let zero = at_zero(nodes, axis.name())?;
         Ok(self.mapped(axis, vec![0.0], |line| vec![zero(&line)]))
     }
 
@@ -214,7 +212,7 @@ impl FlankGrid {
     /// load, must be among them.
     pub fn with_nodes(&self, axis: Axis, chosen: &[usize]) -> FlankGrid {
         let pick = |line: Vec<f64>| chosen.iter().map(|&k| line[k]).collect();
-        let nodes = pick(self.axes.clone().along_mut(axis).clone());
+        let nodes = pick(self.axes.nodes()[axis as usize].to_vec());
         self.mapped(axis, nodes, pick)
     }
 
@@ -320,12 +318,8 @@ const MOST: usize = 10_000;
 /// Beyond all lengths, forces and moments of gears; products of a few of them with one another stay finite.
 const LARGEST: f64 = 1e15;
 
-/// Checks the axes that all samples have: those of centre distance and misalignment, and mesh positions, at `path` in the file.
-pub(super) fn check_axes(
-    path: &str,
-    [c, m]: [&[f64]; 2],
-    positions: &[f64],
-) -> Result<(), TableError> {
+/// Checks the axes that all samples have, those of centre distance, misalignment and mesh position, at `path` in the file.
+pub(super) fn check_axes(path: &str, [c, m, _, positions]: [&[f64]; 4]) -> Result<(), TableError> {
     let named = |axis: Axis| format!("{path}.{}", axis.name());
     check_axis(&named(Axis::CenterDistance), c, true)?;
     check_axis(&named(Axis::Misalignment), m, true)?;

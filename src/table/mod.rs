@@ -26,8 +26,8 @@ pub use file::{TableFile, VERSION};
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
 pub use records::{
-    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressRecord,
-    RootStressSamples, SlidingSamples,
+    Columns, FrictionRecord, LoadAxes, LoadJet, LoadSpline, RootStressRecord, RootStressSamples,
+    SlidingSamples,
 };
 pub use runtime::{Effects, Load, Table};
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
@@ -47,6 +47,31 @@ pub struct Query {
 
 /// Number of coordinates of a [`Query`], in the order of its fields.
 pub const COORDINATES: usize = 4;
+
+impl Query {
+    /// Its fields, in their order.
+    pub fn coordinates(&self) -> [f64; COORDINATES] {
+        let Query {
+            delta,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        } = *self;
+        [delta, center_distance_offset, misalignment, mesh_position]
+    }
+}
+
+impl From<[f64; COORDINATES]> for Query {
+    fn from(coordinates: [f64; COORDINATES]) -> Self {
+        let [delta, center_distance_offset, misalignment, mesh_position] = coordinates;
+        Query {
+            delta,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        }
+    }
+}
 
 /// The potential of one flank and its derivatives by the coordinates of [`Query`] in their order
 /// (delta, centre distance offset, misalignment, mesh position). All zero out of contact.

@@ -1,7 +1,8 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadSpline, TableError, TableFile, TeethFlank,
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadSpline, RootStressSamples,
+    SlidingSamples, TableError, TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -136,27 +137,23 @@ impl Table {
         Self::with_effects(Arc::new(file), effects)
     }
 
-    /// The same tables with only the dimensions that `effects` switch on.
-    ///
-    /// # Errors
-    /// An effect whose axis is missing; a constant load outside the range.
-    pub fn sliced(&self, effects: &Effects) -> Result<Self, TableError> {
-        Self::with_effects(self.file.clone(), *effects)
-    }
-
     /// The tables of `file`, which stays shared, with only the dimensions that `effects` switch on.
     ///
     /// # Errors
-    /// As [`Table::sliced`].
+    /// An effect whose axis is missing; a constant load outside the range.
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let on = effects.axes();
         // Tooth pairs one by one slide as their own loads do.
         let slides = effects.friction && !effects.teeth;
-        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?
-            .map(|r| Flanks::new(&r.drive, &r.coast, |s| LoadSpline::new(&r.axes, s, on)));
+        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?.map(|r| {
+            let spline = |s: &SlidingSamples| LoadSpline::new(r.axes.nodes(), &s.columns(), on);
+            Flanks::new(&r.drive, &r.coast, spline)
+        });
         let missing = TableError::NO_ROOT_STRESS;
-        let stress = if_on(effects.root_stress, &file.root_stress, missing)?
-            .map(|r| Flanks::new(&r.drive, &r.coast, |s| LoadSpline::new(&r.axes, s, on)));
+        let stress = if_on(effects.root_stress, &file.root_stress, missing)?.map(|r| {
+            let spline = |s: &RootStressSamples| LoadSpline::new(r.axes.nodes(), &s.columns(), on);
+            Flanks::new(&r.drive, &r.coast, spline)
+        });
         let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?
             .map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
@@ -176,7 +173,7 @@ impl Table {
     }
 
     /// The file, with samples, settings and measured error.
-    pub fn file(&self) -> &TableFile {
+    pub fn file(&self) -> &Arc<TableFile> {
         &self.file
     }
 

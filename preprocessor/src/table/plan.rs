@@ -55,8 +55,7 @@ pub fn table_within(
         Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, watch)?.choices(),
         None => Ok(vec![Choice {
             nodes: vec![0.0],
-            square: 0.0,
-            largest: 0.0,
+            ..Choice::default()
         }]),
     };
     let choices = [
@@ -100,12 +99,13 @@ pub fn table_within(
         aim *= (0.8 / found).clamp(0.25, 0.8);
     }
     let Some((_, grid)) = best else {
-        return Err(TableError::Samples("no grid was tried".into()));
+        return Err(TableError::Failed("no grid was tried".into()));
     };
     let found = measured(&grid, REPORTED_POINTS, SEED)?;
     Ok((grid, found))
 }
 
+#[derive(Default)]
 struct Choice {
     nodes: Vec<f64>,
     /// Mean square and largest error over nominal force.

@@ -41,8 +41,6 @@ pub struct Shepard {
     shape: Scatter,
     /// Moment over dh/du, where it is not dW/dM.
     lever: Option<Scatter>,
-    /// Nodes of centre distance, misalignment and displacement (with 0).
-    nodes: [Vec<f64>; 3],
 }
 
 impl Shepard {
@@ -93,11 +91,6 @@ impl Shepard {
             frame: tensor.frame,
             shape: over_mean(&force, 0),
             lever: own_moment.map(|moment| over_mean(&moment, 1)),
-            nodes: [
-                axes.center_distance_offset.clone(),
-                axes.misalignment.clone(),
-                with_zero.clone(),
-            ],
             u,
             mean,
         })
@@ -105,7 +98,7 @@ impl Shepard {
 
     /// The `derivative`th derivative of h, times `scatter`, at x = (C, M, u, PMC).
     fn product(&self, scatter: &Scatter, derivative: usize, x: [f64; COORDINATES]) -> Dual {
-        let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &self.nodes[i]));
+        let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &scatter.lines[i].nodes));
         let turn = match self.frame.p.present() {
             true => x[3] - x[3].floor(),
             false => 0.0,

@@ -28,8 +28,8 @@ pub use record::{GearTeethRecord, TeethRecord};
 use super::interpolation::{Basis, Ends, axis};
 use super::runtime::flank_table;
 use super::{
-    COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadAxes, LoadJet,
-    LoadSpline, Potential, Query, TableError,
+    COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadJet, LoadSpline,
+    Potential, Query, TableError,
 };
 use crate::friction::Sliding;
 use crate::gear::teeth::{Counts, Passing};
@@ -122,13 +122,8 @@ impl TeethFlank {
             let passing = self.passing.as_ref();
             passing.map_or([0.0; 2], |passing| passing.closing(counts, k, tau))
         };
-        let coordinates = [
-            query.delta,
-            query.center_distance_offset,
-            query.misalignment,
-            tau,
-        ];
-        let mut pairs = self.pairs.near(coordinates, closing);
+        let [delta, c, m, _] = query.coordinates();
+        let mut pairs = self.pairs.near([delta, c, m, tau], closing);
         let mut sum = Potential {
             out_of_range: pairs.all().iter().any(|pair| pair.found.out_of_range),
             ..Potential::default()
@@ -180,19 +175,12 @@ impl PairTable {
             _ if !effects.friction => None,
             (None, _) | (_, None) => return Err(TableError::NO_FRICTION),
             (Some(samples), Some(_)) => {
-                let axes = LoadAxes {
-                    center_distance_offset_m: grid.axes.center_distance_offset.clone(),
-                    misalignment_rad: grid.axes.misalignment.clone(),
-                    loa_force_n: grid.axes.displacement_fraction.clone(),
-                    mesh_position: grid.axes.mesh_position.clone(),
-                };
-                Some(LoadSpline::new(&axes, samples, effects.axes())?)
+                let (nodes, columns) = (grid.axes.nodes(), samples.columns());
+                Some(LoadSpline::new(nodes, &columns, effects.axes())?)
             }
         };
-        let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);
-        let span = spans
-            .map(|(top, low)| top - low)
-            .fold(f64::INFINITY, f64::min);
+        let [_, spans] = grid.fields();
+        let span = spans.values.into_iter().fold(f64::INFINITY, f64::min);
         let mut coupling = Coupling::new(&grid.axes.misalignment, &record.coupling(flank))?;
         let (grid, pair) = flank_table(grid, &effects)?;
         if !effects.misalignment {
@@ -210,14 +198,9 @@ impl PairTable {
     }
 
     /// Where the table is looked up at `at` (approach, centre distance offset, misalignment, place).
-    fn query(&self, at: &[f64; COORDINATES]) -> Query {
+    fn query(&self, &[delta, c, m, place]: &[f64; COORDINATES]) -> Query {
         let [first, length] = self.places;
-        Query {
-            delta: at[0],
-            center_distance_offset: at[1],
-            misalignment: at[2],
-            mesh_position: (at[3] - first) / length,
-        }
+        Query::from([delta, c, m, (place - first) / length])
     }
 
     /// How the loads of `pairs` slide in `table`, which add up to `force` (N).
@@ -225,8 +208,8 @@ impl PairTable {
         let mut sum = [0.0; 4];
         for pair in pairs.all() {
             let q = self.query(&pair.at);
-            let (c, m) = (q.center_distance_offset, q.misalignment);
-            let jets = table.evaluate([self.pair.fraction(&q), c, m, q.mesh_position]);
+            let [_, c, m, p] = q.coordinates();
+            let jets = table.evaluate([self.pair.fraction(&q), c, m, p]);
             for (sum, LoadJet { value, .. }) in sum.iter_mut().zip::<[_; 4]>(jets) {
                 *sum += value * pair.found.gradient[0] / force;
             }

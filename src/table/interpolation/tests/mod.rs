@@ -26,12 +26,7 @@ fn sequence(n: usize, k: usize) -> f64 {
 /// The n-th point inside, or `spread` times as far out, with delta from before the onset to the top.
 fn point(n: usize, spread: f64) -> Query {
     let s = |k| spread * (2.0 * sequence(n, k) - 1.0);
-    let mut q = Query {
-        delta: 0.0,
-        center_distance_offset: 100e-6 * s(1),
-        misalignment: 3e-3 * s(2),
-        mesh_position: s(3),
-    };
+    let mut q = Query::from([0.0, 100e-6 * s(1), 3e-3 * s(2), s(3)]);
     let onset = q.center_distance_offset * 3e-3 - 0.2 * q.misalignment.powi(2);
     q.delta = onset + 8e-6 * sequence(n, 0) * spread;
     q
@@ -39,24 +34,13 @@ fn point(n: usize, spread: f64) -> Query {
 
 /// `q` with the coordinate `i` at `value`.
 fn with(q: &Query, i: usize, value: f64) -> Query {
-    let mut q = *q;
-    *[
-        &mut q.delta,
-        &mut q.center_distance_offset,
-        &mut q.misalignment,
-        &mut q.mesh_position,
-    ][i] = value;
-    q
+    let mut coordinates = q.coordinates();
+    coordinates[i] = value;
+    Query::from(coordinates)
 }
 
 fn moved(q: &Query, i: usize, by: f64) -> Query {
-    let at = [
-        q.delta,
-        q.center_distance_offset,
-        q.misalignment,
-        q.mesh_position,
-    ];
-    with(q, i, at[i] + by)
+    with(q, i, q.coordinates()[i] + by)
 }
 
 /// Size of each coordinate.

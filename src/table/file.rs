@@ -212,8 +212,8 @@ impl TableFile {
             }
         }
         self.drive_grid().check("drive")?;
-        if let Some(grid) = self.coast_grid() {
-            grid.check("coast")?;
+        if let Some(coast) = &self.coast {
+            coast.on(&self.axes).check("coast")?;
         }
         if let Some(record) = &self.friction {
             let coast = record.coast.as_ref().map(SlidingSamples::columns);
@@ -231,11 +231,6 @@ impl TableFile {
     /// Samples of the drive flank.
     pub fn drive_grid(&self) -> FlankGrid {
         self.drive.on(&self.axes)
-    }
-
-    /// Samples of the coast flank, if it has its own.
-    pub fn coast_grid(&self) -> Option<FlankGrid> {
-        Some(self.coast.as_ref()?.on(&self.axes))
     }
 
     /// The text of the file.

@@ -150,16 +150,11 @@ impl FlankGrid {
 
     /// Coordinates of the sample at the index (centre distance, misalignment, displacement, mesh position).
     pub fn query(&self, [c, m, u, p]: [usize; 4]) -> Query {
-        let axes = &self.axes;
-        let column = (c * axes.misalignment.len() + m) * axes.mesh_position.len() + p;
+        let [cs, ms, us, ps] = self.axes.nodes();
+        let column = (c * ms.len() + m) * ps.len() + p;
         let low = self.no_load_approach[column];
         let span = self.top_load_approach[column] - low;
-        Query {
-            delta: low + axes.displacement_fraction[u] * span,
-            center_distance_offset: axes.center_distance_offset[c],
-            misalignment: axes.misalignment[m],
-            mesh_position: axes.mesh_position[p],
-        }
+        Query::from([low + us[u] * span, cs[c], ms[m], ps[p]])
     }
 
     /// `values` of this grid, samples or approaches, with their lengths.
@@ -265,14 +260,10 @@ impl FlankGrid {
         }
         let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
         if let Some((i, (low, high))) = ends.enumerate().find(|(_, (low, high))| high <= low) {
-            return refused(
-                format!("{flank}.top_load_approach_m[{i}]"),
-                high,
-                format!(
-                    "not above the no-load approach {low}; make the tables again; of imported samples, check the sign of \
-                     ste_loa_um"
-                ),
+            let reason = format!(
+                "not above the no-load approach {low}; make the tables again; of imported samples, check the sign of ste_loa_um"
             );
+            return refused(format!("{flank}.top_load_approach_m[{i}]"), high, reason);
         }
         for start in self.block(&self.loa_force).lines(2) {
             let mut below = 0.0;
@@ -280,14 +271,11 @@ impl FlankGrid {
                 let i = start + u * np;
                 let force = self.loa_force[i];
                 if force < below || (u + 1 == nu && force <= 0.0) {
-                    return refused(
-                        format!("{flank}.loa_force_n[{i}]"),
-                        force,
-                        format!(
-                            "the force must not fall with the displacement (before it: {below}); make the tables again; of \
-                             imported samples, remove the falling one"
-                        ),
+                    let reason = format!(
+                        "the force must not fall with the displacement (before it: {below}); make the tables again; of \
+                         imported samples, remove the falling one"
                     );
+                    return refused(format!("{flank}.loa_force_n[{i}]"), force, reason);
                 }
                 below = force;
             }

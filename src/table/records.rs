@@ -155,12 +155,12 @@ pub struct RootStressSamples {
 }
 
 impl RootStressSamples {
-    /// Of gear 1 and gear 2, rounded to what interpolation can tell.
-    pub fn new(all: [&[f64]; 2]) -> RootStressSamples {
-        let [gear_1_pa, gear_2_pa] = all.map(|gear| rounded(gear, 1e-6));
+    /// From `all` samples in order, of gear 1 and gear 2, rounded to what interpolation can tell.
+    pub fn new(all: &[[f64; 2]]) -> RootStressSamples {
+        let gear = |k: usize| rounded(&all.iter().map(|both| both[k]).collect::<Vec<_>>(), 1e-6);
         RootStressSamples {
-            gear_1_pa,
-            gear_2_pa,
+            gear_1_pa: gear(0),
+            gear_2_pa: gear(1),
         }
     }
 
@@ -276,31 +276,20 @@ mod tests {
 
     /// Three quantities, on axes whose forces begin at `first`.
     fn spline(first: f64, effects: [bool; 2]) -> LoadSpline {
-        let axes = LoadAxes {
-            center_distance_offset_m: vec![-1e-4, -4e-5, 0.0, 5e-5, 1e-4],
-            misalignment_rad: vec![-2e-3, -5e-4, 0.0, 1e-3, 2e-3],
-            loa_force_n: vec![first, 500.0, 2000.0, 5000.0, 9000.0],
-            mesh_position: (0..40).map(|i| f64::from(i) / 40.0).collect(),
+        let positions: Vec<f64> = (0..40).map(|i| f64::from(i) / 40.0).collect();
+        let nodes @ [c, m, f, p] = [
+            &[-1e-4, -4e-5, 0.0, 5e-5, 1e-4][..],
+            &[-2e-3, -5e-4, 0.0, 1e-3, 2e-3],
+            &[first, 500.0, 2000.0, 5000.0, 9000.0],
+            &positions,
+        ];
+        let quantity = |k| -> Vec<f64> {
+            let point = |i: usize| [f[i / 40 % 5], c[i / 1000], m[i / 200 % 5], p[i % 40]];
+            (0..5000).map(|i| exact(point(i), k)).collect()
         };
-        let quantities = [0, 1, 2].map(|k| {
-            let mut values = vec![];
-            for &c in &axes.center_distance_offset_m {
-                for &m in &axes.misalignment_rad {
-                    for &f in &axes.loa_force_n {
-                        values.extend(axes.mesh_position.iter().map(|&p| exact([f, c, m, p], k)));
-                    }
-                }
-            }
-            values
-        });
-        let [share, share_z_m, distance_m] = quantities;
-        let samples = SlidingSamples {
-            share,
-            share_z_m,
-            distance_m,
-            weight: None,
-        };
-        LoadSpline::new(axes.nodes(), &samples.columns(), effects).unwrap()
+        let quantities = [0, 1, 2].map(quantity);
+        let columns = quantities.iter().map(|values| ("", &values[..])).collect();
+        LoadSpline::new(nodes, &columns, effects).unwrap()
     }
 
     #[test]

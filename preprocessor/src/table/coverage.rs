@@ -181,11 +181,11 @@ impl Nominal {
     }
 }
 
-pub(super) fn errors<const K: usize>(
+pub(super) fn errors(
     points: Vec<OperatingPoint>,
     watch: &Watch,
-    error: impl Fn(OperatingPoint) -> Result<[f64; K], TableError> + Sync,
-) -> Result<Vec<[f64; K]>, TableError> {
+    error: impl Fn(OperatingPoint) -> Result<[f64; 2], TableError> + Sync,
+) -> Result<Vec<[f64; 2]>, TableError> {
     let checked = |point| watch.check().and_then(|()| error(point));
     points.into_par_iter().map(checked).collect()
 }

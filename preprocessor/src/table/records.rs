@@ -10,7 +10,6 @@ use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::table::{
     LoadAxes, LoadSpline, RootStressError, RootStressSamples, SlidingSamples, TableError,
-    rms_and_largest,
 };
 use std::sync::Arc;
 
@@ -60,10 +59,12 @@ pub fn sweep_sliding(
     watch: &Watch,
 ) -> Result<SlidingSamples, TableError> {
     let law = solver.friction();
-    let all = at_all_nodes(axes, watch, |at, loads, report| {
-        let column = Column::new(solver, flank, at)?;
+    let [c, m, force, p] = axes.nodes();
+    let total = axes.lengths().iter().product();
+    let all = watch.sweep_columns([c, p], total, |c, p, report| {
+        let column = Column::new(solver, flank, [c, p])?;
         let sliding = |result: &ContactResult| Ok(solver.sliding(&column.problem, result, &law));
-        column.solve(loads, watch, report, sliding)
+        column.solve([m, force], watch, report, sliding)
     })?;
     Ok(SlidingSamples::new(&all, law.is_local()))
 }
@@ -84,11 +85,12 @@ impl RootStressSweep<'_> {
     /// # Errors
     /// The first solve that fails, with its operating point; cancellation.
     pub fn samples(&self, axes: &LoadAxes, watch: &Watch) -> Result<RootStressSamples, TableError> {
-        let all = at_all_nodes(axes, watch, |at, loads, report| {
-            self.column(at, loads, watch, report)
+        let [c, m, force, p] = axes.nodes();
+        let total = axes.lengths().iter().product();
+        let all = watch.sweep_columns([c, p], total, |c, p, report| {
+            self.column([c, p], [m, force], watch, report)
         })?;
-        let gear = |gear: usize| all.iter().map(|both| both[gear]).collect::<Vec<f64>>();
-        Ok(RootStressSamples::new([&gear(0), &gear(1)]))
+        Ok(RootStressSamples::new(&all))
     }
 
     /// Largest stress of either gear, Pa; arguments as of [`Column::solve`].
@@ -131,27 +133,8 @@ impl RootStressSweep<'_> {
             let found = stress([force, c, m, p]);
             Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
         })?;
-        let [first, second] = [0, 1].map(|i| rms_and_largest(errors.iter().map(|e| e[i])));
-        Ok(RootStressError {
-            points,
-            rms: first[0].max(second[0]),
-            maximum: first[1].max(second[1]),
-        })
+        Ok(RootStressError::of(&errors))
     }
-}
-
-/// What `column` gives at each centre distance and mesh position of `axes`, in the order of the table. It gets these two, the
-/// misalignments and forces to solve for, and a function that counts its solves.
-fn at_all_nodes<S: Copy + Send>(
-    axes: &LoadAxes,
-    watch: &Watch,
-    column: impl Fn([f64; 2], [&[f64]; 2], &dyn Fn(usize)) -> Result<Vec<S>, TableError> + Sync,
-) -> Result<Vec<S>, TableError> {
-    let [c, m, force, p] = axes.nodes();
-    let total = axes.lengths().iter().product();
-    watch.sweep_columns([c, p], total, |c, p, report| {
-        column([c, p], [m, force], report)
-    })
 }
 
 /// Static contact at one centre distance and mesh position.

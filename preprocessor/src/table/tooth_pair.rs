@@ -77,9 +77,11 @@ impl ToothPair {
 
     /// At a node of the table.
     fn level(&self, c: f64, m: f64) -> Level {
-        let index = |axis: usize, x: f64| self.nodes[axis].iter().position(|&node| node == x);
-        let at = |axis, x| index(axis, x).expect("a table is solved at its nodes");
-        self.levels[at(0, c) * self.nodes[1].len() + at(1, m)]
+        let index = |axis: usize, x: f64| {
+            let node = self.nodes[axis].iter().position(|&node| node == x);
+            node.expect("a table is solved at its nodes")
+        };
+        self.levels[index(0, c) * self.nodes[1].len() + index(1, m)]
     }
 
     fn outermost(&self, flank: Flank) -> Result<[f64; 2], ContactError> {

@@ -11,8 +11,7 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, Others, axis, breaks, integrated, make_increasing};
-use super::frame::{Frame, Framed};
-use super::kernel::{ANY, Coefficients, Shape};
+use super::kernel::{ANY, Coefficients, Frame, Framed, Shape};
 use crate::root::bisection;
 use crate::table::error::refused;
 use crate::table::{Axis, FlankGrid, Potential, Query, TableError};

@@ -26,10 +26,9 @@ mod record;
 pub use record::{GearTeethRecord, TeethRecord};
 
 use super::interpolation::{Basis, Ends, axis};
-use super::runtime::flank_table;
 use super::{
     COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadJet, LoadSpline,
-    Potential, Query, TableError,
+    Potential, Query, TableError, flank_table,
 };
 use crate::friction::Sliding;
 use crate::gear::teeth::{Counts, Passing};
@@ -361,8 +360,8 @@ fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling, length
     let nodes = (0..nc).flat_map(|c| (0..nm).map(move |m| (c, m)));
     let gains = nodes.map(|(c, m)| {
         let stiffness = |p: usize| {
-            let there = |u| pair.evaluate(&grid.query([c, m, u, p]), false);
-            largest((0..nu).map(|u| there(u).hessian[0][0]))
+            let potential = |u| pair.evaluate(&grid.query([c, m, u, p]), false);
+            largest((0..nu).map(|u| potential(u).hessian[0][0]))
         };
         let stiffness: Vec<f64> = (0..columns).map(stiffness).collect();
         let taken = coupling.at(axes.misalignment[m]);

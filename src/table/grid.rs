@@ -69,16 +69,6 @@ impl Axes {
         [c, m, p]
     }
 
-    /// The nodes along `axis`.
-    pub fn along_mut(&mut self, axis: Axis) -> &mut Vec<f64> {
-        match axis {
-            Axis::CenterDistance => &mut self.center_distance_offset,
-            Axis::Misalignment => &mut self.misalignment,
-            Axis::Displacement => &mut self.displacement_fraction,
-            Axis::MeshPosition => &mut self.mesh_position,
-        }
-    }
-
     fn check(&self) -> Result<(), TableError> {
         let (name, u) = ("axes.displacement_fraction", &self.displacement_fraction);
         check_axis(name, u, false)?;
@@ -90,6 +80,24 @@ impl Axes {
         // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
         check_spacing(name, &[&[0.0], u.as_slice()].concat(), 1e-6)?;
         check_axes("axes", self.nodes())
+    }
+}
+
+impl From<[Vec<f64>; 4]> for Axes {
+    /// Of nodes in the order of [`Axes::nodes`].
+    fn from(nodes: [Vec<f64>; 4]) -> Self {
+        let [
+            center_distance_offset,
+            misalignment,
+            displacement_fraction,
+            mesh_position,
+        ] = nodes;
+        Axes {
+            displacement_fraction,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        }
     }
 }
 
@@ -220,16 +228,16 @@ impl FlankGrid {
                 _ => (block.mapped(axis as usize, nodes.len(), &map)).values,
             }
         };
-        let mut grid = FlankGrid {
-            axes: self.axes.clone(),
+        let mut all = self.axes.nodes().map(<[f64]>::to_vec);
+        all[axis as usize].clone_from(&nodes);
+        FlankGrid {
+            axes: Axes::from(all),
             no_load_approach: mapped(&self.no_load_approach),
             top_load_approach: mapped(&self.top_load_approach),
             loa_force: mapped(&self.loa_force),
             moment: self.moment.as_ref().map(mapped),
             sliding: None,
-        };
-        *grid.axes.along_mut(axis) = nodes;
-        grid
+        }
     }
 
     /// Checks lengths, order and finiteness of all that is there, and that the force does not fall

@@ -37,11 +37,12 @@ impl<const N: usize> Weights<N> {
 }
 
 /// How a coordinate goes on at its ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ends {
     /// From the last point on to the first.
     Periodic,
     /// Linear beyond both ends.
+    #[default]
     Bounded,
     /// Zero with all derivatives but the highest at the lower end; quadratic beyond the upper one.
     Onset,
@@ -58,7 +59,7 @@ struct Cell<const N: usize> {
 
 /// B-splines of degree N - 1 over one axis. Without cells the axis has a single point and no extent: one function that is
 /// 1 everywhere.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Basis<const N: usize> {
     pub ends: Ends,
     low: f64,
@@ -75,15 +76,7 @@ impl<const N: usize> Basis<N> {
     /// From cell ends `breaks` (ascending; periodic: the first one repeated a period later; none: no extent).
     pub fn new(breaks: &[f64], ends: Ends) -> Self {
         if breaks.is_empty() {
-            return Basis {
-                ends: Ends::Bounded,
-                low: 0.0,
-                high: 0.0,
-                cells: vec![],
-                buckets: vec![],
-                bucket_scale: 0.0,
-                guard: [0.0; 2],
-            };
+            return Basis::default();
         }
         let degree = N - 1;
         let n = breaks.len() - 1;

@@ -1,9 +1,6 @@
 //! The onset, the cells' ends, the turn of the mesh cycle, and what lies beyond the ends of the axes.
 
-use super::{ALL, SCALE, moved, point, sequence, with};
-use crate::root::bisection;
-use crate::table::samples::Spring;
-use crate::table::{FlankGrid, FlankTable, Interpolation, Query};
+use super::*;
 
 #[test]
 fn force_is_exactly_zero_up_to_the_onset_and_starts_without_a_kink() {

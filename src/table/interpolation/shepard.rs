@@ -40,6 +40,8 @@ pub struct Shepard {
     shape: Scatter,
     /// Moment over dh/du, where it is not dW/dM.
     lever: Option<Scatter>,
+    /// Nodes of centre distance, misalignment and displacement (with 0).
+    nodes: [Vec<f64>; 3],
 }
 
 impl Shepard {
@@ -90,6 +92,11 @@ impl Shepard {
             frame: tensor.frame,
             shape: over_mean(&force, 0),
             lever: own_moment.map(|moment| over_mean(&moment, 1)),
+            nodes: [
+                axes.center_distance_offset.clone(),
+                axes.misalignment.clone(),
+                with_zero.clone(),
+            ],
             u,
             mean,
         })
@@ -97,7 +104,7 @@ impl Shepard {
 
     /// The `derivative`th derivative of h, times `scatter`, at x = (C, M, u, PMC).
     fn product(&self, scatter: &Scatter, derivative: usize, x: [f64; COORDINATES]) -> Dual {
-        let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &scatter.lines[i].nodes));
+        let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &self.nodes[i]));
         let turn = match self.frame.p.present() {
             true => x[3] - x[3].floor(),
             false => 0.0,

@@ -73,6 +73,9 @@ struct File<'a> {
     offset: f64,
     torque: f64,
     most: f64,
+    /// Centre distances in the tables over and under the nominal one, um.
+    closer: f64,
+    apart: f64,
 }
 
 impl New {
@@ -112,15 +115,19 @@ impl New {
             None => format!("pair-{}-{}", self.teeth[0], self.teeth[1]),
         });
         let torque = self.torque_nm.unwrap_or_default();
+        let module = self.module_mm.unwrap_or_default();
         let file = File {
             new: self,
             name: name.into(),
             derived,
-            module: self.module_mm.unwrap_or_default(),
+            module,
             backlash_um,
             offset: rounded(0.5 * (self.face_width_mm[0] - self.face_width_mm[1])),
             torque,
             most: rounded(1.5 * torque),
+            // A twentieth and an eighth of small modules.
+            closer: rounded((50.0 * module).min(20.0)),
+            apart: rounded((125.0 * module).min(50.0)),
         };
         Ok(file.render()? + "\n")
     }

@@ -533,7 +533,7 @@ impl Instance {
             )?;
             self.slopes_with_stiffness = Some(with_stiffness);
         }
-        let slopes = &*self.buffers.slopes * direction;
+        let slopes = *self.buffers.slopes * direction;
         let slope = |&row: &usize| match slopes[row] {
             slope if slope.is_finite() => Ok(slope),
             _ => Err(self.not_finite("the derivative of ", row)),

@@ -59,7 +59,7 @@ pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Resu
     let normal = file.normal_backlash_um.map(|j| j.middle() * UM / cos_b);
     if let (Some(first), Some(second)) = (circumferential, normal) {
         ensure!((first - second).abs() <= 2.0 * UM, "normal_backlash_um" => second / UM * cos_b;
-            "`backlash_um` = {} says otherwise", first / UM * (1.0 / cos_phi);
+            "`backlash_um` = {} says otherwise", rounded(first / UM / cos_phi);
             "give one of them, or {:.1}", first / UM * cos_b);
     }
     // Field, backlash on the line of action, and the number of the field for one metre there.

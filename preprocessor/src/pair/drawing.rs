@@ -242,6 +242,8 @@ pub(super) fn gear(file: &PairFile, i: usize, helix: f64) -> Result<Gear, Refusa
         let s = measure.thickness(&g, value.middle() * MM);
         let right = |g: &Gear| measure.of(g).unwrap_or(f64::NAN) / MM;
         let generating = generating_profile_shift(&g, s);
+        ensure!(generating.is_finite(), path => value; "is no measure of this gear with its gauge";
+            "check both, `span_teeth` or `ball_diameter_mm`");
         ensure!((-3.0..=3.0).contains(&generating), path => value;
             "belongs to no tooth of this gear (profile shift {generating:.3}); without profile shift it would be {:.4}",
             right(&g);

@@ -21,7 +21,10 @@ MISALIGNED = {"gear2.angles[2]": 1e-4, "gear2.position[1]": 0.08206, "gear2.angl
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
     """The paper's pair with constant stiffness, whose name no folder likes."""
-    return gearmesh.pack(PAIRS / "palermo2013.json", tmp_path_factory.mktemp("pair") / "pair with spaces ä.fmu")
+    folder = tmp_path_factory.mktemp("pair")
+    commented = folder / "commented.json"
+    commented.write_text("// as drawn\n" + (PAIRS / "palermo2013.json").read_text(encoding="utf-8"), encoding="utf-8")
+    return gearmesh.pack(commented, folder / "pair with spaces ä.fmu")
 
 
 def turned(pair):

@@ -6,6 +6,7 @@ use super::*;
 const PAIRS: [&str; 5] = [
     "--teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 --helix-angle-deg -29.5",
     NEW,
+    "--teeth 23 81 --module-mm 0.08 --face-width-mm 0.8 0.8 --torque-nm 0.0001",
     "--teeth 12 70 --module-mm 0.5 --face-width-mm 6 5 --torque-nm 0.4",
     "--teeth 27 84 --module-mm 2 --face-width-mm 20 24 --torque-nm 80 --internal",
     "--teeth 17 103 --module-mm 8 --face-width-mm 100 100 --torque-nm 9000 --pressure-angle-deg 25",

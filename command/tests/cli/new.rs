@@ -3,7 +3,7 @@
 use super::*;
 
 /// Options for a few pairs.
-const PAIRS: [&str; 5] = [
+const PAIRS: [&str; 6] = [
     "--teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 --helix-angle-deg -29.5",
     NEW,
     "--teeth 23 81 --module-mm 0.08 --face-width-mm 0.8 0.8 --torque-nm 0.0001",

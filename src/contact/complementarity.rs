@@ -302,7 +302,8 @@ impl Problem<'_> {
     pub fn overload(&self, solution: &Solution) -> Option<f64> {
         let segments = solution.loads.iter().zip(self.local);
         let largest = segments.filter_map(|(loads, local)| {
-            local.overload(loads.forces.iter().copied().fold(0.0, f64::max))
+            let largest = loads.forces.iter().copied().fold(0.0, f64::max);
+            local.overload(largest / local.length())
         });
         largest.reduce(f64::max)
     }

@@ -52,42 +52,24 @@ pub struct CondensedFlank {
 /// Mesh positions of the nodes over a cycle.
 const POSITIONS: usize = 48;
 
-/// What one node is made of.
-pub struct CondensedNode {
-    names: Vec<SegmentName>,
-    influence: Influence,
-}
+/// Segments up to this part of a base pitch beyond the reach of contact are in a node: two steps to either side of a position.
+pub(super) const MARGIN: f64 = 2.1 / POSITIONS as f64;
 
-/// Weights of the nodes about a position: four mesh positions by up to three centre distances.
-struct Weights {
-    along: [f64; 4],
-    across: [f64; 3],
+/// What one node is made of: segments and their influence.
+pub struct CondensedNode {
+    pub(super) names: Vec<SegmentName>,
+    pub(super) influence: Influence,
 }
 
 impl CondensedFlank {
-    /// Number of nodes with the centre distance offsets `offsets`.
-    pub fn node_count(offsets: &[f64]) -> usize {
-        offsets.len() * POSITIONS
+    /// Mesh positions and centre distance offsets (m) of the nodes with the offsets `offsets`, in their order.
+    pub fn grid(offsets: &[f64]) -> Vec<[f64; 2]> {
+        let positions = || (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);
+        let row = |offset: &f64| positions().map(|tau| [tau, *offset]).collect::<Vec<_>>();
+        offsets.iter().flat_map(row).collect()
     }
 
-    /// Node `i` of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m). Nodes do not
-    /// depend on each other.
-    ///
-    /// # Errors
-    /// As [`ContactSolver::position`].
-    pub fn node(
-        solver: &ContactSolver,
-        flank: Flank,
-        offsets: &[f64],
-        i: usize,
-    ) -> Result<CondensedNode, ContactError> {
-        let tau = (i % POSITIONS) as f64 / POSITIONS as f64;
-        let margin = 2.1 / POSITIONS as f64;
-        let (names, influence) = solver.influence(flank, tau, offsets[i / POSITIONS], margin)?;
-        Ok(CondensedNode { names, influence })
-    }
-
-    /// Of all `nodes` in order, as [`CondensedFlank::node`] gives them for the same solver, flank and offsets.
+    /// Of the `nodes` at all places of [`CondensedFlank::grid`] with the offsets `offsets` (m), which `solver` gives for `flank`.
     ///
     /// # Errors
     /// As [`ContactSolver::position`].
@@ -181,7 +163,7 @@ impl CondensedFlank {
     ) -> Influence {
         let [along, _] = self.along(tau);
         let [across, _] = self.across(offset);
-        self.weighted(names, scale, tau, &Weights { along, across })
+        self.weighted(names, scale, tau, along, across)
     }
 
     /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of [`CondensedFlank::influence`].
@@ -195,23 +177,24 @@ impl CondensedFlank {
         let [along, by_tau] = self.along(tau);
         let [across, by_offset] = self.across(offset);
         let weights = [(by_tau, across), (along, by_offset)];
-        weights.map(|(along, across)| self.weighted(names, &scale, tau, &Weights { along, across }))
+        weights.map(|(along, across)| self.weighted(names, &scale, tau, along, across))
     }
 
-    /// Sum of the nodes about `tau` by `weights`.
+    /// Sum of the nodes about `tau`: four mesh positions with the weights `along` by up to three centre distances with `across`.
     fn weighted(
         &self,
         names: &[SegmentName],
         scale: impl Fn(i32) -> f64,
         tau: f64,
-        weights: &Weights,
+        along: [f64; 4],
+        across: [f64; 3],
     ) -> Influence {
         let n = names.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
         let (segments, positions) = (self.segments(), self.positions as i64);
         let first = (tau * self.positions as f64).floor() as i64 - 1;
-        for (number, along) in (first..).zip(weights.along) {
+        for (number, along) in (first..).zip(along) {
             let turns = number.div_euclid(positions) as i32;
             let node = number.rem_euclid(positions) as usize;
             let rows = names.iter().map(|&name| self.row(name, turns)).enumerate();
@@ -219,7 +202,7 @@ impl CondensedFlank {
             let runs: Vec<_> = held
                 .chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1))
                 .collect();
-            for (k, across) in weights.across.into_iter().enumerate() {
+            for (k, across) in across.into_iter().enumerate() {
                 let weight = along * across;
                 if weight == 0.0 {
                     continue;
@@ -323,12 +306,12 @@ pub struct ContactFile {
     pub error: Option<InterpolationError>,
 }
 
-/// The head, in which the matrices are empty.
+/// The head of the file: all but the values of matrices and roots. It is written from references.
 #[derive(Serialize, Deserialize)]
-struct Head {
-    setup: ContactSetup,
-    drive: CondensedFlank,
-    coast: Option<CondensedFlank>,
+struct Head<Setup, Condensed> {
+    setup: Setup,
+    drive: Condensed,
+    coast: Option<Condensed>,
     #[serde(default)]
     error: Option<InterpolationError>,
 }
@@ -336,32 +319,18 @@ struct Head {
 impl ContactFile {
     /// The bytes of the file.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let bare = |flank: &CondensedFlank| {
-            let bare = |roots: &CondensedRoots| CondensedRoots {
-                values: Vec::new(),
-                ..roots.clone()
-            };
-            CondensedFlank {
-                roots: flank.roots.as_ref().map(|roots| roots.each_ref().map(bare)),
-                values: Vec::new(),
-                ..flank.clone()
-            }
-        };
         let head = Head {
-            setup: (*self.setup).clone(),
-            drive: bare(&self.drive),
-            coast: self.coast.as_deref().map(bare),
+            setup: &*self.setup,
+            drive: &*self.drive,
+            coast: self.coast.as_deref(),
             error: self.error,
         };
         let head = serde_json::to_vec(&head).expect("plain structs become JSON");
         let mut bytes = (head.len() as u64).to_le_bytes().to_vec();
         bytes.extend(head);
-        for flank in [Some(&self.drive), self.coast.as_ref()]
-            .into_iter()
-            .flatten()
-        {
-            let roots = flank.roots.iter().flatten();
-            for values in [&flank.values].into_iter().chain(roots.map(|r| &r.values)) {
+        for flank in [&self.drive].into_iter().chain(&self.coast) {
+            let roots = flank.roots.iter().flatten().map(|roots| &roots.values);
+            for values in [&flank.values].into_iter().chain(roots) {
                 bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
             }
         }
@@ -379,7 +348,7 @@ impl ContactFile {
             .ok()
             .and_then(|length| rest.split_at_checked(length))
             .ok_or("the head is longer than the file")?;
-        let head: Head =
+        let head: Head<ContactSetup, CondensedFlank> =
             serde_json::from_slice(head).map_err(|e| crate::words::json_problem(&e))?;
         head.setup.check()?;
         let mut rest = values.chunks_exact(4);

@@ -16,11 +16,9 @@ use super::candidates::{Candidate, ContactLines, SegmentName};
 use super::complementarity::{Solution, Start};
 use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
-use super::position::{Limits, PositionProblem};
-use super::result::Tangent;
-use super::root_stress::StationLoad;
+use super::position::{PositionProblem, Tangent};
 use super::setup::ContactSetup;
-use super::transverse::{PairNumbers, TransverseSection};
+use super::transverse::PairNumbers;
 use crate::friction::{Sliding, SlidingSums};
 use crate::gear::Flank;
 use crate::gear::teeth::{Counts, Passing};
@@ -155,8 +153,14 @@ impl RuntimeContact {
             counts: counts.map(|count| count + turns as i64),
         };
         let last = std::mem::take(&mut warm.forces);
-        let section = self.setup.section(&self.numbers, offset)?;
-        let candidates = self.near(&section, pose);
+        let lines = ContactLines {
+            setup: &self.setup,
+            section: self.setup.section(&self.numbers, offset)?,
+            flank: self.flank,
+            tau: pose.tau,
+            teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
+        };
+        let candidates = near(&lines, pose);
         if candidates.is_empty() {
             return Ok(ContactPotential::default());
         }
@@ -190,18 +194,18 @@ impl RuntimeContact {
             });
         }
         let (energy, [by_tau, by_offset]) =
-            self.at_fixed_forces(&problem, &section, pose, solution)?;
+            self.at_fixed_forces(&problem, &lines, pose, solution)?;
         let (moment, tangent) = problem.moment(solution);
         let force = problem.arm.dot(&solution.force);
         let sliding = (self.friction.as_ref()).map_or(Sliding::default(), |sums| {
-            problem.sliding(sums, solution.force.as_slice(), force)
+            problem.sliding(sums, solution.force.iter().copied(), force)
         });
         Ok(ContactPotential {
             energy,
             gradient: [force, by_offset, moment, by_tau],
             tangent,
             sliding,
-            root_stress: self.root_stress(segments, &solution.force),
+            root_stress: self.root_stress(&lines, segments, &solution.force),
             out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || missing,
         })
     }
@@ -213,7 +217,7 @@ impl RuntimeContact {
     fn at_fixed_forces(
         &self,
         problem: &PositionProblem,
-        section: &TransverseSection,
+        lines: &ContactLines<'_>,
         pose: Pose,
         solution: &Solution,
     ) -> Result<(f64, [f64; 2]), ContactError> {
@@ -225,24 +229,28 @@ impl RuntimeContact {
         let scale = |k| self.compliance(pose, k);
         let influence = self.condensed.slopes(&names, scale, pose.tau, pose.offset);
         let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
-        let (tau, offset) = (pose.tau + STEPS[0], pose.offset + STEPS[1]);
-        let farther = (section.near(self.setup.geometry.center_distance + offset))
-            .ok_or_else(|| self.setup.out_of_mesh(offset))?;
+        let offset = pose.offset + STEPS[1];
+        let farther = (lines.section).near(self.setup.geometry.center_distance + offset);
         let moved = [
-            (Pose { tau, ..pose }, section),
-            (Pose { offset, ..pose }, &farther),
+            ContactLines {
+                tau: pose.tau + STEPS[0],
+                ..lines.clone()
+            },
+            ContactLines {
+                section: farther.ok_or_else(|| self.setup.out_of_mesh(offset))?,
+                ..lines.clone()
+            },
         ];
         let mut energy = 0.0;
         for (number, &i) in loaded.iter().enumerate() {
             let deflection = problem.arm[i] * pose.approach - solution.closing[i];
             let local = solution.loads[i].energy();
             energy += 0.5 * solution.force[i] * deflection + local;
-            for (axis, (pose, section)) in moved.iter().enumerate() {
+            for (axis, lines) in moved.iter().enumerate() {
                 let known = problem.lengths(i);
                 let grown = |g: usize| influence[axis].lengths[g][number] * STEPS[axis];
                 let lengths = [0, 1].map(|g| known[g] + grown(g));
-                let segment = self.lines(section, *pose).segment(pose.tau, names[number]);
-                let there = segment.map_or(0.0, |segment| {
+                let there = lines.segment(names[number]).map_or(0.0, |segment| {
                     let law = problem.law(&segment, &segment.profile, lengths);
                     let closing = self.numbers.cos_beta_b * segment.arms[0] * pose.approach;
                     let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
@@ -256,46 +264,18 @@ impl RuntimeContact {
     }
 
     /// Stress in the tooth roots under the normal forces `forces` on `segments`.
-    fn root_stress(&self, segments: &[Candidate], forces: &DVector<f64>) -> [f64; 2] {
+    fn root_stress(
+        &self,
+        lines: &ContactLines<'_>,
+        segments: &[Candidate],
+        forces: &DVector<f64>,
+    ) -> [f64; 2] {
         let Some(roots) = self.condensed.roots.as_ref().filter(|_| self.root_stress) else {
             return [0.0; 2];
         };
-        let geometry = &self.setup.geometry;
-        std::array::from_fn(|i| {
-            let loaded = segments
-                .iter()
-                .zip(forces)
-                .filter(|(_, force)| **force > 0.0);
-            let loads = loaded.map(|(segment, force)| StationLoad {
-                tooth: [segment.tooth_pair, -segment.tooth_pair][i],
-                station: segment.station,
-                z: segment.z,
-                roll: segment.roll[i],
-                force: *force,
-            });
-            let mirrored = geometry.is_mirrored(self.flank, i);
-            roots[i].largest(geometry, i, mirrored, &loads.collect::<Vec<_>>())
-        })
-    }
-
-    fn near(&self, section: &TransverseSection, pose: Pose) -> Vec<Candidate> {
-        let mut segments = self.lines(section, pose).candidates(pose.tau);
-        let overlap = |segment: &Candidate| {
-            let closed = segment.arms[0] * pose.approach;
-            let points = segment.levers.into_iter().zip(segment.gap);
-            let each = points.map(|(lever, gap)| closed + pose.misalignment * lever - gap);
-            each.fold(f64::NEG_INFINITY, f64::max)
-        };
-        let most = segments.iter().map(overlap).fold(0.0, f64::max);
-        segments.retain(|segment| most > 0.0 && overlap(segment) > -MARGIN * most);
-        segments
-    }
-
-    fn lines<'a>(&'a self, section: &'a TransverseSection, pose: Pose) -> ContactLines<'a> {
-        ContactLines {
-            teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
-            ..ContactLines::new(&self.setup, section, self.flank)
-        }
+        let loads = segments.iter().zip(forces.iter().copied());
+        let loads: Vec<_> = loads.filter(|(_, force)| *force > 0.0).collect();
+        [0, 1].map(|i| roots[i].largest(lines, i, &loads))
     }
 
     /// Compliance of tooth pair `k` under its own load over that of others.
@@ -324,7 +304,20 @@ impl RuntimeContact {
             candidates.retain(|_| held.next() == Some(true));
             known = influence(&candidates);
         }
-        let limits = Limits::new(&self.setup, pose.offset);
-        PositionProblem::with(&self.numbers, candidates, known, limits)
+        PositionProblem::new(&self.setup, &self.numbers, pose.offset, candidates, known)
     }
+}
+
+/// The segments on `lines` that may carry at `pose`.
+fn near(lines: &ContactLines<'_>, pose: Pose) -> Vec<Candidate> {
+    let mut segments = lines.candidates();
+    let overlap = |segment: &Candidate| {
+        let closed = segment.arms[0] * pose.approach;
+        let points = segment.levers.into_iter().zip(segment.gap);
+        let each = points.map(|(lever, gap)| closed + pose.misalignment * lever - gap);
+        each.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let most = segments.iter().map(overlap).fold(0.0, f64::max);
+    segments.retain(|segment| most > 0.0 && overlap(segment) > -MARGIN * most);
+    segments
 }

@@ -102,7 +102,7 @@ fn forces_balance_the_load_and_meet_the_contact_conditions_whatever_the_start() 
                 let warm = problem.solve_torque(torque, m, Some(&far)).unwrap();
                 for result in [&cold, &far, &warm] {
                     assert!(result.kkt_residual < 1e-8, "{:e}", result.kkt_residual);
-                    assert!(result.forces.iter().all(|f| *f >= 0.0));
+                    assert!(result.segments.iter().all(|s| s.force >= 0.0));
                     most = most.max(result.iterations);
                 }
                 assert!((cold.loa_force * rb / torque - 1.0).abs() < 1e-12);

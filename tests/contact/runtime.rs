@@ -98,8 +98,7 @@ fn root_stress_at_run_time_is_that_of_the_elastic_models() {
         for _ in 0..n {
             let (at, result) = point(&pair, &solver, flank, &mut random);
             let problem = solver.position(flank, at[3], at[1]).unwrap();
-            let place = (flank, at[3], at[1]);
-            let direct = PositionRoots::new(&solver, &problem, place, &models).unwrap();
+            let direct = PositionRoots::new(&problem, &models);
             let direct = direct.largest(&result).unwrap();
             let found = contact.potential(at, [0; 2], &mut Warm::default()).unwrap();
             for (found, known) in found.root_stress.iter().zip(direct) {

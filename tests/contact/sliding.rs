@@ -33,14 +33,14 @@ fn even_line_load(pair: &Pair) -> Vec<Sliding> {
             let problem = solver
                 .position(Flank::Drive, (f64::from(i) + 0.5) / 200.0, 0.0)
                 .unwrap();
-            let forces: Vec<f64> = problem
-                .candidates()
-                .iter()
-                .map(|c| c.z[1] - c.z[0])
-                .collect();
+            let segments = problem.candidates().iter().map(|c| SegmentLoad {
+                force: c.z[1] - c.z[0],
+                ..SegmentLoad::default()
+            });
+            let segments: Vec<SegmentLoad> = segments.collect();
             let result = ContactResult {
-                loa_force: cos_beta_b * forces.iter().sum::<f64>(),
-                forces,
+                loa_force: cos_beta_b * segments.iter().map(|s| s.force).sum::<f64>(),
+                segments,
                 ..ContactResult::default()
             };
             solver.sliding(&problem, &result, &FrictionLaw::default())

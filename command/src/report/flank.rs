@@ -28,7 +28,11 @@ fn pattern(
     let gear = &geometry.gears[i];
     let half_step = 0.5 * geometry.base_pitch() / case.input.positions as f64;
     let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
-    let segments = case.cycle.loads.iter().flatten();
+    let segments = case
+        .cycle
+        .results
+        .iter()
+        .flat_map(|result| &result.segments);
     let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
     let patch = |s: &SegmentLoad| {
         let along_face = s.z.map(|z| 1e3 * z);
@@ -116,7 +120,11 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
 fn contact_lines(case: &Case, tau: f64) -> Figure {
     let i = (tau * case.input.positions as f64) as usize;
     let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
-    let segments: Vec<&SegmentLoad> = case.cycle.loads[i].iter().filter(inside).collect();
+    let segments: Vec<&SegmentLoad> = case.cycle.results[i]
+        .segments
+        .iter()
+        .filter(inside)
+        .collect();
     let curve = |segments: &[&SegmentLoad]| {
         let point = |s: &&SegmentLoad| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6);
         let points = segments.iter().map(point);

@@ -19,9 +19,9 @@ pub fn condensed_flank(
     flank: Flank,
     offsets: &[f64],
 ) -> Result<CondensedFlank, ContactError> {
-    let nodes = (0..CondensedFlank::node_count(offsets))
+    let nodes = CondensedFlank::grid(offsets)
         .into_par_iter()
-        .map(|i| CondensedFlank::node(solver, flank, offsets, i))
+        .map(|place| solver.node(flank, place))
         .collect::<Result<Vec<_>, _>>()?;
     CondensedFlank::from_nodes(solver, flank, offsets, &nodes)
 }

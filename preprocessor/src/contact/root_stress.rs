@@ -8,7 +8,7 @@ use super::mesh_cycle::{CycleInput, MeshCycle};
 use crate::finite_element::{RootStress, SpreadSegments};
 use gearmesh::compliance::Segment;
 use gearmesh::contact::{
-    ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint,
+    ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint, SegmentLoad,
 };
 use gearmesh::gear::{Flank, PairGeometry};
 
@@ -67,47 +67,14 @@ pub struct PositionRoots<'a> {
 }
 
 impl<'a> PositionRoots<'a> {
-    /// Of all segments of `problem`, the one of `solver` at this flank, mesh position and centre distance offset (m);
-    /// `models` are those of gear 1 and gear 2 for this flank.
-    ///
-    /// # Errors
-    /// As [`ContactSolver::position`].
-    pub fn new(
-        solver: &ContactSolver,
-        problem: &PositionProblem,
-        (flank, mesh_position, center_distance_offset): (Flank, f64, f64),
-        models: &'a [Arc<RootStress>; 2],
-    ) -> Result<Self, ContactError> {
-        let tau = mesh_position - mesh_position.floor();
-        let segments = problem.candidates().iter().map(|c| (c.tooth_pair, c.z));
-        Self::of_segments(
-            solver,
-            (flank, tau, center_distance_offset),
-            segments,
+    /// Of all segments of `problem`; `models` are those of gear 1 and gear 2 for its flank.
+    pub fn new(problem: &PositionProblem, models: &'a [Arc<RootStress>; 2]) -> Self {
+        PositionRoots {
             models,
-        )
-    }
-
-    fn of_segments(
-        solver: &ContactSolver,
-        (flank, tau, center_distance_offset): (Flank, f64, f64),
-        segments: impl Iterator<Item = (i32, [f64; 2])>,
-        models: &'a [Arc<RootStress>; 2],
-    ) -> Result<Self, ContactError> {
-        let segments: Vec<_> = segments.collect();
-        let tooth_pairs = segments.iter().map(|(k, _)| *k).collect();
-        let seen =
-            solver.seen_by_gears(flank, tau, center_distance_offset, segments.into_iter())?;
-        let of_gear = |i: usize| {
-            let seen: Vec<Segment> = seen.iter().map(|segment| segment[i]).collect();
-            models[i].spread(&seen)
-        };
-        Ok(PositionRoots {
-            models,
-            segments: [of_gear(0), of_gear(1)],
-            tooth_pairs,
-            center_distance_offset,
-        })
+            segments: spread(models, problem.seen_by_gears()),
+            tooth_pairs: problem.candidates().iter().map(|c| c.tooth_pair).collect(),
+            center_distance_offset: problem.center_distance_offset(),
+        }
     }
 
     /// The tooth pairs with a force among `forces`, N, on the segments.
@@ -142,15 +109,23 @@ impl<'a> PositionRoots<'a> {
     /// # Errors
     /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
     pub fn largest(&self, result: &ContactResult) -> Result<[f64; 2], ContactError> {
+        let forces: Vec<f64> = result.segments.iter().map(|s| s.force).collect();
         let mut largest = [0.0f64; 2];
-        for pair in self.under_load(&result.forces) {
+        for pair in self.under_load(&forces) {
             for (i, largest) in largest.iter_mut().enumerate() {
-                let field = self.field(i, pair, &result.forces)?;
+                let field = self.field(i, pair, &forces)?;
                 *largest = largest.max(field.largest().stress);
             }
         }
         Ok(largest)
     }
+}
+
+fn spread(models: &[Arc<RootStress>; 2], seen: &[[Segment; 2]]) -> [SpreadSegments; 2] {
+    [0, 1].map(|i| {
+        let seen: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
+        models[i].spread(&seen)
+    })
 }
 
 impl MeshCycle {
@@ -165,16 +140,20 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let positions: Vec<(PositionRoots, Vec<f64>)> = (&self.mesh_position, &self.loads)
-            .into_par_iter()
-            .map(|(tau, segments)| {
-                let loaded = || segments.iter().filter(|segment| segment.force > 0.0);
-                let at = (input.flank, *tau, input.center_distance_offset);
-                let segments = loaded().map(|segment| (segment.tooth_pair, segment.z));
-                let roots = PositionRoots::of_segments(solver, at, segments, models)?;
-                Ok((roots, loaded().map(|segment| segment.force).collect()))
+        let positions: Vec<(PositionRoots, Vec<f64>)> = (self.results.par_iter())
+            .map(|result| {
+                let loaded = result.segments.iter().filter(|segment| segment.force > 0.0);
+                let loaded: Vec<&SegmentLoad> = loaded.collect();
+                let seen: Vec<[Segment; 2]> = loaded.iter().map(|segment| segment.seen).collect();
+                let roots = PositionRoots {
+                    models,
+                    segments: spread(models, &seen),
+                    tooth_pairs: loaded.iter().map(|segment| segment.tooth_pair).collect(),
+                    center_distance_offset: input.center_distance_offset,
+                };
+                (roots, loaded.iter().map(|segment| segment.force).collect())
             })
-            .collect::<Result<_, ContactError>>()?;
+            .collect();
         let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));
         Ok([first?, second?])
     }

@@ -65,11 +65,12 @@ pub fn sweep_sliding(
         flank,
         watch,
     };
-    let all = sweep.nodes(axes, |_, _, _| {
-        Ok(|problem: &PositionProblem, result: &ContactResult| {
-            Ok(solver.sliding(problem, result, &law))
-        })
-    })?;
+    let all =
+        sweep.nodes(axes, |_| {
+            |problem: &PositionProblem, result: &ContactResult| {
+                Ok(solver.sliding(problem, result, &law))
+            }
+        })?;
     Ok(SlidingSamples::new(&all, law.is_local()))
 }
 
@@ -90,7 +91,7 @@ impl<'a> RootStressSweep<'a> {
     /// The first solve that fails, with its operating point; cancellation.
     pub fn samples(&self, axes: &LoadAxes, watch: &Watch) -> Result<RootStressSamples, TableError> {
         let sweep = self.sweep(watch);
-        let all = sweep.nodes(axes, |problem, c, p| self.largest(problem, c, p))?;
+        let all = sweep.nodes(axes, |problem| self.largest(problem))?;
         let [gear_1, gear_2] =
             [0, 1].map(|gear| all.iter().map(|both| both[gear]).collect::<Vec<f64>>());
         Ok(RootStressSamples::new([&gear_1, &gear_2]))
@@ -104,18 +105,13 @@ impl<'a> RootStressSweep<'a> {
         }
     }
 
-    /// Stress of both gears, Pa, out of a solution at the centre distance offset `c` and mesh position `p`.
+    /// Stress of both gears, Pa, out of a solution of `problem`.
     fn largest(
         &self,
         problem: &PositionProblem,
-        c: f64,
-        p: f64,
-    ) -> Result<
-        impl Fn(&PositionProblem, &ContactResult) -> Result<[f64; 2], ContactError> + use<'a>,
-        ContactError,
-    > {
-        let roots = PositionRoots::new(self.solver, problem, (self.flank, p, c), self.models)?;
-        Ok(move |_: &PositionProblem, result: &ContactResult| roots.largest(result))
+    ) -> impl Fn(&PositionProblem, &ContactResult) -> Result<[f64; 2], ContactError> + use<'a> {
+        let roots = PositionRoots::new(problem, self.models);
+        move |_: &PositionProblem, result: &ContactResult| roots.largest(result)
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
@@ -139,7 +135,7 @@ impl<'a> RootStressSweep<'a> {
         let errors = errors(drawn, watch, |(torque, q)| {
             let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
             let force = torque / rb;
-            let roots = |problem: &PositionProblem, c, p| self.largest(problem, c, p);
+            let roots = |problem: &PositionProblem| self.largest(problem);
             let exact = (self.sweep(watch)).column([c, p], [&[m], &[force]], roots, &|_| ())?[0];
             let found = stress([force, c, m, p]);
             Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
@@ -167,7 +163,7 @@ impl LoadSweep<'_> {
         &self,
         [c, p]: [f64; 2],
         [misalignments, forces]: [&[f64]; 2],
-        at_position: impl Fn(&PositionProblem, f64, f64) -> Result<K, ContactError>,
+        at_position: impl Fn(&PositionProblem) -> K,
         report: &dyn Fn(usize),
     ) -> Result<Vec<S>, TableError>
     where
@@ -177,7 +173,7 @@ impl LoadSweep<'_> {
         let failed = |m| move |error: ContactError| solve_error(self.flank, [c, m, p], error);
         let rb = self.solver.geometry().gears[0].base_radius();
         let problem = (self.solver.position(self.flank, p, c)).map_err(failed(0.0))?;
-        let evaluate = at_position(&problem, c, p).map_err(failed(0.0))?;
+        let evaluate = at_position(&problem);
         let mut column = vec![S::default(); misalignments.len() * forces.len()];
         for (&m, row) in misalignments.iter().zip(column.chunks_mut(forces.len())) {
             self.watch.check()?;
@@ -199,7 +195,7 @@ impl LoadSweep<'_> {
     fn nodes<S, K>(
         &self,
         axes: &LoadAxes,
-        at_position: impl Fn(&PositionProblem, f64, f64) -> Result<K, ContactError> + Sync,
+        at_position: impl Fn(&PositionProblem) -> K + Sync,
     ) -> Result<Vec<S>, TableError>
     where
         S: Copy + Default + Send,

@@ -8,15 +8,6 @@ use crate::compliance::Segment;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
-/// What a segment is known by in all positions of the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SegmentName {
-    /// See [`Candidate::tooth_pair`].
-    pub tooth_pair: i32,
-    /// See [`Candidate::station`].
-    pub station: usize,
-}
-
 /// A segment of one contact line that may carry load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
@@ -44,14 +35,6 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// What it is known by in all positions of the mesh.
-    pub fn name(&self) -> SegmentName {
-        SegmentName {
-            tooth_pair: self.tooth_pair,
-            station: self.station,
-        }
-    }
-
     /// Middle in gear 1's frame, m.
     pub fn middle(&self) -> f64 {
         0.5 * (self.z[0] + self.z[1])
@@ -105,16 +88,9 @@ impl ContactLines<'_> {
         pairs.flat_map(|k| self.of_pair(k)).collect()
     }
 
-    pub fn of_pair(&self, tooth_pair: i32) -> impl Iterator<Item = Candidate> {
-        self.stations(tooth_pair)
-            .filter_map(|name| self.segment(name))
-    }
-
-    fn stations(&self, tooth_pair: i32) -> impl Iterator<Item = SegmentName> + use<> {
-        (0..self.setup.settings.stations).map(move |station| SegmentName {
-            tooth_pair,
-            station,
-        })
+    pub fn of_pair(&self, k: i32) -> impl Iterator<Item = Candidate> {
+        let stations = 0..self.setup.settings.stations;
+        stations.filter_map(move |station| self.segment(k, station))
     }
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
@@ -137,12 +113,12 @@ impl ContactLines<'_> {
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
-    /// The segment of this name, if enough of it lies within the reach of contact to carry.
-    pub fn segment(&self, name: SegmentName) -> Option<Candidate> {
-        let whole = self.station(name.station);
-        let z = self.within_reach(name.tooth_pair, whole)?;
+    /// The segment of tooth pair `k` at `station`, if enough of it lies within the reach of contact to carry.
+    pub fn segment(&self, k: i32, station: usize) -> Option<Candidate> {
+        let whole = self.station(station);
+        let z = self.within_reach(k, whole)?;
         let is_long = z[1] - z[0] > SHORTEST * (whole[1] - whole[0]);
-        is_long.then(|| self.candidate(name, z, false))
+        is_long.then(|| self.candidate(k, station, z, false))
     }
 
     /// The gap about the closest point of `segment` at the part `at` of its length from its middle.
@@ -155,14 +131,15 @@ impl ContactLines<'_> {
     /// Whole segments, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
     pub fn segments_beyond(&self, margin: f64) -> Vec<Candidate> {
         let [first, last] = self.section.reach();
-        let segment = |name: SegmentName| {
-            let z = self.station(name.station);
-            let [a, b] = z.map(|z| self.contact_line(name.tooth_pair, z));
+        let segment = |k: i32, station: usize| {
+            let z = self.station(station);
+            let [a, b] = z.map(|z| self.contact_line(k, z));
             let is_near = a.max(b) >= first - margin && a.min(b) <= last + margin;
-            is_near.then(|| self.candidate(name, z, true))
+            is_near.then(|| self.candidate(k, station, z, true))
         };
-        let names = self.pairs(margin).flat_map(|k| self.stations(k));
-        names.filter_map(segment).collect()
+        let stations = 0..self.setup.settings.stations;
+        let of_pair = |k| (stations.clone()).filter_map(move |station| segment(k, station));
+        self.pairs(margin).flat_map(of_pair).collect()
     }
 
     /// The part of `z` in which tooth pair `k` lies within the reach of contact.
@@ -201,9 +178,8 @@ impl ContactLines<'_> {
         Flanks::new(&self.setup.geometry, &self.section, microgeometry, point, z)
     }
 
-    /// The segment of this name with the ends `z`; `clamped`: beyond the reach of contact as if it lay at its end.
-    fn candidate(&self, name: SegmentName, z: [f64; 2], clamped: bool) -> Candidate {
-        let k = name.tooth_pair;
+    /// The segment of tooth pair `k` at `station` with the ends `z`; `clamped`: beyond the reach of contact as if it lay at its end.
+    fn candidate(&self, k: i32, station: usize, z: [f64; 2], clamped: bool) -> Candidate {
         let numbers = self.section.numbers();
         let teeth_close = (self.teeth).map_or(0.0, |(passing, counts)| {
             passing.closing(counts, k, self.tau)[0]
@@ -228,7 +204,7 @@ impl ContactLines<'_> {
         let own_share = self.setup.settings.own_share;
         Candidate {
             tooth_pair: k,
-            station: name.station,
+            station,
             z,
             roll: middle.rolls(closest.s),
             gap: along_segment(gap, own_share).map(|gap| gap - teeth_close),

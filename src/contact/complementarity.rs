@@ -67,6 +67,8 @@ pub struct Solution {
     pub active: Vec<usize>,
     /// Factor of D + A over the segments in contact.
     pub factor: Factor,
+    /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
+    pub excess: Option<Failure>,
 }
 
 type Factor = Cholesky<f64, Dyn>;
@@ -298,14 +300,14 @@ impl Problem<'_> {
         (at, middle)
     }
 
-    /// Largest pressure of the segment on which `solution` has one that no flank carries, Pa.
-    pub fn overload(&self, solution: &Solution) -> Option<f64> {
-        let segments = solution.loads.iter().zip(self.local);
-        let largest = segments.filter_map(|(loads, local)| {
+    /// The largest pressure under `loads` that no flank carries.
+    fn overload(&self, loads: &[PointLoads]) -> Option<Failure> {
+        let pressures = loads.iter().zip(self.local).filter_map(|(loads, local)| {
             let largest = loads.forces.iter().copied().fold(0.0, f64::max);
             local.overload(largest / local.length())
         });
-        largest.reduce(f64::max)
+        let largest = pressures.reduce(f64::max);
+        largest.map(|pressure| Failure::Overload { pressure })
     }
 
     /// Cleans the forces up and judges them by the original conditions.
@@ -338,6 +340,7 @@ impl Problem<'_> {
         active.retain(|&i| at.y[i] > 0.0);
         Ok(Solution {
             factor: self.factor(&at, &active)?,
+            excess: self.overload(&at.loads),
             force: at.y,
             approach: at.delta,
             closing: at.x,

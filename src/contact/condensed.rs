@@ -14,7 +14,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::candidates::SegmentName;
+use super::candidates::Candidate;
 use super::error::ContactError;
 use super::influence::Influence;
 use super::root_stress::CondensedRoots;
@@ -55,9 +55,9 @@ const POSITIONS: usize = 48;
 /// Segments up to this part of a base pitch beyond the reach of contact are in a node: two steps to either side of a position.
 pub(super) const MARGIN: f64 = 2.1 / POSITIONS as f64;
 
-/// What one node is made of: segments and their influence.
+/// What one node is made of.
 pub struct CondensedNode {
-    pub(super) names: Vec<SegmentName>,
+    pub(super) segments: Vec<Candidate>,
     pub(super) influence: Influence,
 }
 
@@ -80,8 +80,8 @@ impl CondensedFlank {
         nodes: &[CondensedNode],
     ) -> Result<CondensedFlank, ContactError> {
         let pairs = || {
-            let names = nodes.iter().flat_map(|node| &node.names);
-            names.map(|name| name.tooth_pair)
+            let segments = nodes.iter().flat_map(|node| &node.segments);
+            segments.map(|segment| segment.tooth_pair)
         };
         let first_pair = pairs().min().unwrap_or(0);
         let mut condensed = CondensedFlank {
@@ -99,11 +99,9 @@ impl CondensedFlank {
         let (size, segments) = (condensed.node_size(), condensed.segments());
         let mut values = vec![0.0; nodes.len() * size];
         for (node, values) in nodes.iter().zip(values.chunks_exact_mut(size)) {
-            let CondensedNode { names, influence } = node;
-            let rows: Vec<usize> = names
-                .iter()
-                .filter_map(|&name| condensed.row(name, 0))
-                .collect();
+            let influence = &node.influence;
+            let rows = node.segments.iter().filter_map(|s| condensed.row(s, 0));
+            let rows: Vec<usize> = rows.collect();
             for (i, &row) in rows.iter().enumerate() {
                 for (j, &column) in rows[..=i].iter().enumerate() {
                     values[triangle(row) + column] = influence.bulk[(i, j)] as f32;
@@ -139,9 +137,9 @@ impl CondensedFlank {
     }
 
     /// Row of a segment in a node, its tooth pair counted on by `turns`.
-    fn row(&self, name: SegmentName, turns: i32) -> Option<usize> {
-        let pair = usize::try_from(name.tooth_pair + turns - self.first_pair).ok()?;
-        (pair < self.pairs).then_some(pair * self.stations + name.station)
+    fn row(&self, segment: &Candidate, turns: i32) -> Option<usize> {
+        let pair = usize::try_from(segment.tooth_pair + turns - self.first_pair).ok()?;
+        (pair < self.pairs).then_some(pair * self.stations + segment.station)
     }
 
     /// Whether the nodes hold this centre distance.
@@ -152,24 +150,24 @@ impl CondensedFlank {
         }
     }
 
-    /// Influence of the segments `names`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the
+    /// Influence of `segments`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the
     /// offsets of the nodes that of the outermost one. That of a tooth pair on itself is `scale` times as large.
     pub(super) fn influence(
         &self,
-        names: &[SegmentName],
+        segments: &[&Candidate],
         scale: impl Fn(i32) -> f64,
         tau: f64,
         offset: f64,
     ) -> Influence {
         let [along, _] = self.along(tau);
         let [across, _] = self.across(offset);
-        self.weighted(names, scale, tau, along, across)
+        self.weighted(segments, scale, tau, along, across)
     }
 
     /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of [`CondensedFlank::influence`].
     pub(super) fn slopes(
         &self,
-        names: &[SegmentName],
+        segments: &[&Candidate],
         scale: impl Fn(i32) -> f64,
         tau: f64,
         offset: f64,
@@ -177,27 +175,27 @@ impl CondensedFlank {
         let [along, by_tau] = self.along(tau);
         let [across, by_offset] = self.across(offset);
         let weights = [(by_tau, across), (along, by_offset)];
-        weights.map(|(along, across)| self.weighted(names, &scale, tau, along, across))
+        weights.map(|(along, across)| self.weighted(segments, &scale, tau, along, across))
     }
 
     /// Sum of the nodes about `tau`: four mesh positions with the weights `along` by up to three centre distances with `across`.
     fn weighted(
         &self,
-        names: &[SegmentName],
+        segments: &[&Candidate],
         scale: impl Fn(i32) -> f64,
         tau: f64,
         along: [f64; 4],
         across: [f64; 3],
     ) -> Influence {
-        let n = names.len();
+        let n = segments.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
-        let (segments, positions) = (self.segments(), self.positions as i64);
+        let (rows_in_all, positions) = (self.segments(), self.positions as i64);
         let first = (tau * self.positions as f64).floor() as i64 - 1;
         for (number, along) in (first..).zip(along) {
             let turns = number.div_euclid(positions) as i32;
             let node = number.rem_euclid(positions) as usize;
-            let rows = names.iter().map(|&name| self.row(name, turns)).enumerate();
+            let rows = segments.iter().map(|s| self.row(s, turns)).enumerate();
             let held: Vec<(usize, usize)> = rows.filter_map(|(i, row)| Some((i, row?))).collect();
             let runs: Vec<_> = held
                 .chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1))
@@ -209,7 +207,7 @@ impl CondensedFlank {
                 }
                 let start = (k * self.positions + node) * self.node_size();
                 let values = &self.values[start..][..self.node_size()];
-                let (matrix, known_lengths) = values.split_at(triangle(segments));
+                let (matrix, known_lengths) = values.split_at(triangle(rows_in_all));
                 Lanes::widest().run(|_| {
                     for &(i, row) in &held {
                         let row = &matrix[triangle(row)..][..=row];
@@ -225,14 +223,14 @@ impl CondensedFlank {
                 });
                 for (gear, lengths) in lengths.iter_mut().enumerate() {
                     for &(i, row) in &held {
-                        lengths[i] += weight * f64::from(known_lengths[gear * segments + row]);
+                        lengths[i] += weight * f64::from(known_lengths[gear * rows_in_all + row]);
                     }
                 }
             }
         }
-        for (i, row) in names.iter().enumerate() {
+        for (i, row) in segments.iter().enumerate() {
             let scale = scale(row.tooth_pair);
-            for (j, column) in names[..=i].iter().enumerate() {
+            for (j, column) in segments[..=i].iter().enumerate() {
                 if column.tooth_pair == row.tooth_pair {
                     bulk[(j, i)] *= scale;
                 }

@@ -253,10 +253,10 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let found = self.warm_solution(prescribed, misalignment, warm)?;
-        match found.excess {
+        let solution = self.warm_solution(prescribed, misalignment, warm)?;
+        match solution.excess {
             Some(failure) => Err(self.unsolved(prescribed, misalignment, failure)),
-            None => Ok(self.result(found)),
+            None => Ok(self.result(solution, misalignment)),
         }
     }
 
@@ -271,8 +271,8 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let found = self.warm_solution(prescribed, misalignment, warm)?;
-        Ok(self.result(found))
+        let solution = self.warm_solution(prescribed, misalignment, warm)?;
+        Ok(self.result(solution, misalignment))
     }
 
     fn warm_solution(
@@ -280,7 +280,7 @@ impl PositionProblem {
         prescribed: Prescribed,
         misalignment: f64,
         warm: Option<&ContactResult>,
-    ) -> Result<Found, ContactError> {
+    ) -> Result<Solution, ContactError> {
         let forces = warm.map(|warm| warm.segments.iter().map(|s| s.force).collect::<Vec<_>>());
         let start = warm.zip(forces.as_deref()).map(|(warm, forces)| Start {
             forces,
@@ -309,7 +309,7 @@ impl PositionProblem {
         prescribed: Prescribed,
         misalignment: f64,
         start: Option<Start<'_>>,
-    ) -> Result<Found, ContactError> {
+    ) -> Result<Solution, ContactError> {
         finite("misalignment", misalignment)?;
         let target = match prescribed {
             Prescribed::Torque(torque) => Target::Force(torque / self.numbers.base_radius[0]),
@@ -322,27 +322,21 @@ impl PositionProblem {
             gap: &gap,
             arm: &self.arm,
         };
-        let solution = problem
+        let mut solution = problem
             .solve(target, start, self.foundation)
             .map_err(|failure| self.unsolved(prescribed, misalignment, failure))?;
-        let overload = problem.overload(&solution);
-        let mut excess = overload.map(|pressure| Failure::Overload { pressure });
-        if let (None, Some(reach)) = (excess, self.reach) {
+        if let (None, Some(reach)) = (solution.excess, self.reach) {
             let levers = self.candidates.iter().flat_map(|c| c.levers);
             let needed = levers
                 .map(|lever| solution.approach + misalignment * lever)
                 .fold(f64::NEG_INFINITY, f64::max);
-            excess = (needed > reach).then_some(Failure::BeyondReach { needed, reach });
+            solution.excess = (needed > reach).then_some(Failure::BeyondReach { needed, reach });
         }
-        Ok(Found {
-            solution,
-            gap,
-            excess,
-        })
+        Ok(solution)
     }
 
-    fn result(&self, found: Found) -> ContactResult {
-        let Found { solution, gap, .. } = found;
+    fn result(&self, solution: Solution, misalignment: f64) -> ContactResult {
+        let gap = self.gaps(misalignment);
         let loa_force = self.arm.dot(&solution.force);
         let over_force = |value: f64| {
             if loa_force > 0.0 {
@@ -439,13 +433,4 @@ impl PositionProblem {
         }
         sum
     }
-}
-
-/// A solution and what it was found for.
-pub(super) struct Found {
-    pub solution: Solution,
-    /// Gaps at the points of each segment along the normal under the misalignment, m.
-    pub gap: Vec<[f64; POINTS]>,
-    /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
-    pub excess: Option<Failure>,
 }

@@ -335,8 +335,10 @@ impl ContactSolver {
         let segments = lines.segments_beyond(NODE_MARGIN * self.numbers.base_pitch);
         let seen = seen_by_gears(&lines, &segments, true);
         let influence = self.influence_of(&lines, &segments, &seen, center_distance_offset)?;
-        let names = segments.iter().map(Candidate::name).collect();
-        Ok(CondensedNode { names, influence })
+        Ok(CondensedNode {
+            segments,
+            influence,
+        })
     }
 
     /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.

@@ -1,7 +1,6 @@
 //! Relieved flanks, pressures and what no pair may be refused for.
 
 use super::*;
-use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::gear::{ProfileRelief, ReliefShape};
 
 /// The paper's pair with `amount` (m) of tip relief on both gears over the last part `share` of the path.

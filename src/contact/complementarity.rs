@@ -171,15 +171,10 @@ impl Problem<'_> {
                 foundation * self.local[i].length() * closed.iter().sum::<f64>()
             })
         };
-        match (known, target) {
-            (Some(start), Target::Force(_)) => {
-                self.iterate(DVector::from_column_slice(start.forces), start.approach)
-            }
-            (Some(start), Target::Approach(approach)) => {
-                self.iterate(DVector::from_column_slice(start.forces), approach)
-            }
-            (None, Target::Approach(approach)) => self.iterate(springs(approach), approach),
-            (None, Target::Force(force)) => {
+        let delta = match (target, known) {
+            (Target::Approach(approach), _) => approach,
+            (Target::Force(_), Some(start)) => start.approach,
+            (Target::Force(force), None) => {
                 let touches = || (0..n).flat_map(|i| self.gap[i].map(|gap| gap / self.arm[i]));
                 let all = touches().fold(f64::NEG_INFINITY, f64::max);
                 let least = touches().fold(f64::INFINITY, f64::min);
@@ -187,10 +182,11 @@ impl Problem<'_> {
                 let stiffness = self.arm.dot(&(springs(all + 1.0) - springs(all)));
                 let carried = |delta| self.arm.dot(&springs(delta));
                 let ends = [least, all + force / stiffness];
-                let delta = bisection(ends, 60, |delta| carried(delta) < force);
-                self.iterate(springs(delta), delta)
+                bisection(ends, 60, |delta| carried(delta) < force)
             }
-        }
+        };
+        let forces = known.map(|start| DVector::from_column_slice(start.forces));
+        self.iterate(forces.unwrap_or_else(|| springs(delta)), delta)
     }
 
     /// The forces `y` at the approach `delta`.

@@ -59,44 +59,40 @@ impl GearRoots {
 /// Segments of both gears at one position of the mesh, and what their loads do to the roots.
 pub struct PositionRoots<'a> {
     models: &'a [Arc<RootStress>; 2],
-    /// The segments as each gear sees them.
     segments: [SpreadSegments; 2],
-    /// The tooth pair of each, ascending.
-    tooth_pairs: Vec<i32>,
     center_distance_offset: f64,
 }
 
 impl<'a> PositionRoots<'a> {
     /// Of all segments of `problem`; `models` are those of gear 1 and gear 2 for its flank.
     pub fn new(problem: &PositionProblem, models: &'a [Arc<RootStress>; 2]) -> Self {
+        let seen = problem.seen_by_gears().iter().copied();
+        Self::of_segments(seen, problem.center_distance_offset(), models)
+    }
+
+    fn of_segments(
+        seen: impl Iterator<Item = [Segment; 2]> + Clone,
+        center_distance_offset: f64,
+        models: &'a [Arc<RootStress>; 2],
+    ) -> Self {
+        let of_gear = |i: usize| seen.clone().map(|both| both[i]).collect::<Vec<_>>();
         PositionRoots {
             models,
-            segments: spread(models, problem.seen_by_gears()),
-            tooth_pairs: problem.candidates().iter().map(|c| c.tooth_pair).collect(),
-            center_distance_offset: problem.center_distance_offset(),
+            segments: [0, 1].map(|i| models[i].spread(&of_gear(i))),
+            center_distance_offset,
         }
     }
 
-    /// The tooth pairs with a force among `forces`, N, on the segments.
-    fn under_load(&self, forces: &[f64]) -> Vec<i32> {
-        let segments = self.tooth_pairs.iter().zip(forces);
-        let mut pairs: Vec<i32> = segments
-            .filter(|(_, f)| **f > 0.0)
-            .map(|(k, _)| *k)
-            .collect();
-        pairs.dedup();
-        pairs
-    }
-
-    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `forces`, N, on the segments.
+    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `loads` on the segments.
     fn field(
         &self,
         i: usize,
         tooth_pair: i32,
-        forces: &[f64],
+        loads: &[SegmentLoad],
     ) -> Result<RootField<'_>, ContactError> {
-        let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
-        let field = self.models[i].of_tooth_under(tooth, &self.segments[i], forces);
+        let tooth = [tooth_pair, -tooth_pair][i];
+        let forces: Vec<f64> = loads.iter().map(|segment| segment.force).collect();
+        let field = self.models[i].of_tooth_under(tooth, &self.segments[i], &forces);
         field.map_err(|model| ContactError::BeyondModel {
             center_distance_offset: self.center_distance_offset,
             model,
@@ -109,11 +105,10 @@ impl<'a> PositionRoots<'a> {
     /// # Errors
     /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
     pub fn largest(&self, result: &ContactResult) -> Result<[f64; 2], ContactError> {
-        let forces: Vec<f64> = result.segments.iter().map(|s| s.force).collect();
         let mut largest = [0.0f64; 2];
-        for pair in self.under_load(&forces) {
+        for pair in under_load(&result.segments) {
             for (i, largest) in largest.iter_mut().enumerate() {
-                let field = self.field(i, pair, &forces)?;
+                let field = self.field(i, pair, &result.segments)?;
                 *largest = largest.max(field.largest().stress);
             }
         }
@@ -121,11 +116,12 @@ impl<'a> PositionRoots<'a> {
     }
 }
 
-fn spread(models: &[Arc<RootStress>; 2], seen: &[[Segment; 2]]) -> [SpreadSegments; 2] {
-    [0, 1].map(|i| {
-        let seen: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
-        models[i].spread(&seen)
-    })
+/// The tooth pairs that bear, ascending.
+fn under_load(loads: &[SegmentLoad]) -> Vec<i32> {
+    let loaded = loads.iter().filter(|segment| segment.force > 0.0);
+    let mut pairs: Vec<i32> = loaded.map(|segment| segment.tooth_pair).collect();
+    pairs.dedup();
+    pairs
 }
 
 impl MeshCycle {
@@ -140,18 +136,12 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let positions: Vec<(PositionRoots, Vec<f64>)> = (self.results.par_iter())
+        let positions: Vec<(PositionRoots, Vec<SegmentLoad>)> = (self.results.par_iter())
             .map(|result| {
                 let loaded = result.segments.iter().filter(|segment| segment.force > 0.0);
-                let loaded: Vec<&SegmentLoad> = loaded.collect();
-                let seen: Vec<[Segment; 2]> = loaded.iter().map(|segment| segment.seen).collect();
-                let roots = PositionRoots {
-                    models,
-                    segments: spread(models, &seen),
-                    tooth_pairs: loaded.iter().map(|segment| segment.tooth_pair).collect(),
-                    center_distance_offset: input.center_distance_offset,
-                };
-                (roots, loaded.iter().map(|segment| segment.force).collect())
+                let loaded: Vec<SegmentLoad> = loaded.copied().collect();
+                let (seen, offset) = (loaded.iter().map(|s| s.seen), input.center_distance_offset);
+                (PositionRoots::of_segments(seen, offset, models), loaded)
             })
             .collect();
         let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));
@@ -163,24 +153,24 @@ fn of_gear(
     solver: &ContactSolver,
     input: &CycleInput,
     i: usize,
-    positions: &[(PositionRoots, Vec<f64>)],
+    positions: &[(PositionRoots, Vec<SegmentLoad>)],
 ) -> Result<GearRoots, ContactError> {
     let field = |position: usize, tooth_pair: i32| {
-        let (roots, forces) = &positions[position];
-        roots.field(i, tooth_pair, forces)
+        let (roots, loads) = &positions[position];
+        roots.field(i, tooth_pair, loads)
     };
     let placed = |point: RootPoint| RootPoint {
         z: z_in_frame(solver.geometry(), input.flank, i, point.z),
         ..point
     };
-    let teeth: Vec<(usize, i32)> = positions
+    let teeth = positions
         .iter()
         .enumerate()
-        .flat_map(|(position, (roots, forces))| {
-            let pairs = roots.under_load(forces);
+        .flat_map(|(position, (_, loads))| {
+            let pairs = under_load(loads);
             pairs.into_iter().map(move |pair| (position, pair))
-        })
-        .collect();
+        });
+    let teeth: Vec<(usize, i32)> = teeth.collect();
     let teeth = teeth
         .into_par_iter()
         .map(|(position, tooth_pair)| {

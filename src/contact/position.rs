@@ -311,19 +311,20 @@ impl PositionProblem {
         start: Option<Start<'_>>,
     ) -> Result<Solution, ContactError> {
         finite("misalignment", misalignment)?;
-        let target = match prescribed {
-            Prescribed::Torque(torque) => Target::Force(torque / self.numbers.base_radius[0]),
-            Prescribed::Approach(approach) => Target::Approach(approach),
-        };
         let gap = self.gaps(misalignment);
         let problem = Problem {
             bulk: &self.influence.bulk,
             local: &self.local,
             gap: &gap,
             arm: &self.arm,
+            target: match prescribed {
+                Prescribed::Torque(torque) => Target::Force(torque / self.numbers.base_radius[0]),
+                Prescribed::Approach(approach) => Target::Approach(approach),
+            },
+            foundation: self.foundation,
         };
         let mut solution = problem
-            .solve(target, start, self.foundation)
+            .solve(start)
             .map_err(|failure| self.unsolved(prescribed, misalignment, failure))?;
         if let (None, Some(reach)) = (solution.excess, self.reach) {
             let levers = self.candidates.iter().flat_map(|c| c.levers);

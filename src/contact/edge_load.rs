@@ -46,7 +46,8 @@ pub struct EdgeLoad {
 }
 
 impl EdgeLoad {
-    pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
+    /// The one with the larger line load.
+    pub fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
         match (a, b) {
             (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
             (a, b) => a.or(b),

@@ -40,7 +40,7 @@ pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
 pub use condensed::{CondensedFlank, CondensedNode, ContactFile};
 pub use edge_load::EdgeLoad;
-pub use error::{ContactError, Failure, OperatingPoint, Prescribed};
+pub use error::{ContactError, Failure, Prescribed};
 pub use position::{ContactResult, PositionProblem, SegmentLoad, Tangent};
 pub use root_stress::{COMPONENTS, CondensedRoots, Fillet, ROLLS, RootField, RootPoint};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};

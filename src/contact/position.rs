@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::candidates::Candidate;
 use super::complementarity::{Problem, Solution, Start, Target};
 use super::edge_load::{EdgeLoad, LawsAlong};
-use super::error::{ContactError, Failure, OperatingPoint, Prescribed, finite};
+use super::error::{ContactError, Failure, Prescribed, finite};
 use super::gap::GapProfile;
 use super::influence::Influence;
 use super::local_law::{LocalContact, POINTS};
@@ -295,12 +295,12 @@ impl PositionProblem {
         misalignment: f64,
         failure: Failure,
     ) -> ContactError {
-        let at = OperatingPoint {
+        ContactError::Unsolved {
             prescribed,
             misalignment,
             center_distance_offset: self.center_distance_offset,
-        };
-        ContactError::Unsolved { at, failure }
+            failure,
+        }
     }
 
     /// Solves from `start` if there is one, and says what the solution exceeds.

@@ -142,11 +142,6 @@ impl MeshCycle {
         ste.into_iter().fold(f64::NEG_INFINITY, f64::max) - lowest
     }
 
-    /// Mean of z_c, m in gear 1's frame.
-    pub fn mean_contact_z(&self) -> f64 {
-        self.results.iter().map(|r| r.contact_z).sum::<f64>() / self.results.len() as f64
-    }
-
     /// Largest Hertz pressure of the cycle inside the flanks, Pa.
     pub fn max_pressure(&self) -> f64 {
         let pressures = self.results.iter().map(|r| r.max_pressure);
@@ -155,8 +150,8 @@ impl MeshCycle {
 
     /// Largest line load of the cycle at a tip edge, if contact reaches one.
     pub fn edge_load(&self) -> Option<EdgeLoad> {
-        let loads = self.results.iter().filter_map(|r| r.edge_load);
-        loads.reduce(|a, b| if b.line_load > a.line_load { b } else { a })
+        let loads = self.results.iter().map(|r| r.edge_load);
+        loads.fold(None, EdgeLoad::larger)
     }
 
     /// What rests on fewer than [`ENOUGH_SEGMENTS`] loaded segments of a contact line, and comes out too low for it; None where nothing does.

@@ -29,14 +29,7 @@ fn cycle(pair: &Pair, stations: usize, torque: f64) -> MeshCycle {
         stations,
         ..ContactSettings::for_pair(pair)
     };
-    let input = CycleInput {
-        flank: Flank::Drive,
-        torque,
-        center_distance_offset: 0.0,
-        misalignment: 0.0,
-        positions: 16,
-    };
-    MeshCycle::solve(&coarse_solver(pair, settings), &input).unwrap()
+    mesh_cycle(&coarse_solver(pair, settings), torque, 0.0, 16)
 }
 
 #[test]

@@ -35,6 +35,22 @@ const HELICAL: &str = include_str!("../../resources/pairs/helical-25-47.json");
 const RING: &str = include_str!("../../resources/pairs/planet-ring-27-84.json");
 const SPUR: &str = include_str!("../../resources/pairs/fzg-c.json");
 
+fn mesh_cycle(
+    solver: &ContactSolver,
+    torque: f64,
+    misalignment: f64,
+    positions: usize,
+) -> MeshCycle {
+    let input = CycleInput {
+        flank: Flank::Drive,
+        torque,
+        center_distance_offset: 0.0,
+        misalignment,
+        positions,
+    };
+    MeshCycle::solve(solver, &input).unwrap()
+}
+
 /// The elastic models of the tooth roots of `pair` on coarse finite elements.
 fn root_models(pair: &Pair, flank: Flank) -> [Arc<RootStress>; 2] {
     let coarse = Pair {

@@ -5,14 +5,7 @@ fn paper_solver(text: &str, settings: ContactSettings) -> ContactSolver {
 }
 
 fn cycle(solver: &ContactSolver, torque: f64, misalignment: f64) -> MeshCycle {
-    let input = CycleInput {
-        flank: Flank::Drive,
-        torque,
-        center_distance_offset: 0.0,
-        misalignment,
-        positions: 32,
-    };
-    MeshCycle::solve(solver, &input).unwrap()
+    mesh_cycle(solver, torque, misalignment, 32)
 }
 
 #[test]

@@ -69,7 +69,9 @@ fn points(z: [f64; 2]) -> [f64; POINTS] {
 pub struct ContactLines<'a> {
     /// The pair and its discretisation.
     pub setup: &'a ContactSetup,
-    /// Transverse section at the centre distance.
+    /// Deviation from the nominal centre distance, m.
+    pub center_distance_offset: f64,
+    /// Transverse section at this centre distance.
     pub section: TransverseSection,
     /// Loaded flank of gear 1.
     pub flank: Flank,
@@ -237,6 +239,12 @@ impl ContactLines<'_> {
         }
         let tooth = [k, -k][i];
         Segment { tooth, z, roll }
+    }
+
+    /// `segments` as gear 1 and gear 2 see them; `clamped` as before.
+    pub fn all_seen_by_gears(&self, segments: &[Candidate], clamped: bool) -> Vec<[Segment; 2]> {
+        let seen = |s: &Candidate| self.seen_by_gears(s.tooth_pair, s.z, clamped);
+        segments.iter().map(seen).collect()
     }
 
     pub fn is_mirrored(&self, i: usize) -> bool {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::candidates::Candidate;
+use super::candidates::{Candidate, ContactLines};
 use super::error::ContactError;
 use super::influence::Influence;
 use super::root_stress::CondensedRoots;
@@ -150,40 +150,31 @@ impl CondensedFlank {
         }
     }
 
-    /// Influence of `segments`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the
-    /// offsets of the nodes that of the outermost one. That of a tooth pair on itself is `scale` times as large.
-    pub(super) fn influence(
-        &self,
-        segments: &[&Candidate],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
-        offset: f64,
-    ) -> Influence {
-        let [along, _] = self.along(tau);
-        let [across, _] = self.across(offset);
-        self.weighted(segments, scale, tau, along, across)
+    /// Influence of `segments`, ascending, of `lines`, whose mesh position is in [0, 1); beyond the offsets of the nodes that of the
+    /// outermost one. A tooth pair gives way to its own load as its weak teeth do.
+    pub(super) fn influence(&self, segments: &[&Candidate], lines: &ContactLines<'_>) -> Influence {
+        let [along, _] = self.along(lines.tau);
+        let [across, _] = self.across(lines.center_distance_offset);
+        self.weighted(segments, lines, along, across)
     }
 
     /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of [`CondensedFlank::influence`].
     pub(super) fn slopes(
         &self,
         segments: &[&Candidate],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
-        offset: f64,
+        lines: &ContactLines<'_>,
     ) -> [Influence; 2] {
-        let [along, by_tau] = self.along(tau);
-        let [across, by_offset] = self.across(offset);
+        let [along, by_tau] = self.along(lines.tau);
+        let [across, by_offset] = self.across(lines.center_distance_offset);
         let weights = [(by_tau, across), (along, by_offset)];
-        weights.map(|(along, across)| self.weighted(segments, &scale, tau, along, across))
+        weights.map(|(along, across)| self.weighted(segments, lines, along, across))
     }
 
-    /// Sum of the nodes about `tau`: four mesh positions with the weights `along` by up to three centre distances with `across`.
+    /// Sum of the nodes about those of `lines`: four mesh positions with the weights `along` by up to three centre distances with `across`.
     fn weighted(
         &self,
         segments: &[&Candidate],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
+        lines: &ContactLines<'_>,
         along: [f64; 4],
         across: [f64; 3],
     ) -> Influence {
@@ -191,7 +182,7 @@ impl CondensedFlank {
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
         let (rows_in_all, positions) = (self.segments(), self.positions as i64);
-        let first = (tau * self.positions as f64).floor() as i64 - 1;
+        let first = (lines.tau * self.positions as f64).floor() as i64 - 1;
         for (number, along) in (first..).zip(along) {
             let turns = number.div_euclid(positions) as i32;
             let node = number.rem_euclid(positions) as usize;
@@ -229,7 +220,9 @@ impl CondensedFlank {
             }
         }
         for (i, row) in segments.iter().enumerate() {
-            let scale = scale(row.tooth_pair);
+            let scale = lines.teeth.map_or(1.0, |(passing, counts)| {
+                passing.compliance(self.shares, counts, row.tooth_pair)
+            });
             for (j, column) in segments[..=i].iter().enumerate() {
                 if column.tooth_pair == row.tooth_pair {
                     bulk[(j, i)] *= scale;

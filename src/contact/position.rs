@@ -2,14 +2,14 @@
 
 use nalgebra::DVector;
 
-use super::candidates::Candidate;
+use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Problem, Solution, Start, Target};
 use super::edge_load::{EdgeLoad, LawsAlong};
 use super::error::{ContactError, Failure, Prescribed, finite};
 use super::gap::GapProfile;
 use super::influence::Influence;
 use super::local_law::{LocalContact, POINTS};
-use super::setup::{ContactSetup, STIFFNESS_OVER_MODULUS};
+use super::setup::STIFFNESS_OVER_MODULUS;
 use super::transverse::PairNumbers;
 use crate::compliance::Segment;
 use crate::friction::{Sliding, SlidingSums};
@@ -117,15 +117,13 @@ impl ContactResult {
 }
 
 impl PositionProblem {
-    /// The problem of `candidates`, which give way to each other by `influence`, at the deviation `center_distance_offset` (m);
-    /// `numbers` are those of the pair in `setup`.
+    /// The problem of `candidates` on `lines`, which give way to each other by `influence`.
     pub(super) fn new(
-        setup: &ContactSetup,
-        numbers: &PairNumbers,
-        center_distance_offset: f64,
+        lines: &ContactLines<'_>,
         candidates: Vec<Candidate>,
         influence: Influence,
     ) -> PositionProblem {
+        let (setup, numbers) = (lines.setup, lines.section.numbers());
         let modulus = setup.geometry.gears.iter().map(|g| g.youngs_modulus);
         let arm = |i: usize, _| candidates[i].arms[0] * numbers.cos_beta_b;
         let mut problem = PositionProblem {
@@ -136,7 +134,7 @@ impl PositionProblem {
             influence,
             along: vec![],
             numbers: *numbers,
-            center_distance_offset,
+            center_distance_offset: lines.center_distance_offset,
             reach: setup.settings.tip_corner_contact.then_some(setup.reach),
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
         };

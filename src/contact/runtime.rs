@@ -66,8 +66,6 @@ pub struct Warm {
 struct Pose<'a> {
     /// m.
     approach: f64,
-    /// Deviation from the nominal centre distance, m.
-    offset: f64,
     /// rad.
     misalignment: f64,
     /// Which teeth are in mesh.
@@ -162,11 +160,11 @@ impl RuntimeContact {
         let last = std::mem::take(&mut warm.forces);
         let pose = Pose {
             approach,
-            offset,
             misalignment,
             counts,
             lines: ContactLines {
                 setup: &self.setup,
+                center_distance_offset: offset,
                 section: self.setup.section(&self.numbers, offset)?,
                 flank: self.flank,
                 tau: position - turns,
@@ -178,7 +176,7 @@ impl RuntimeContact {
             return Ok(ContactPotential::default());
         }
         let count = candidates.len();
-        let problem = self.problem(candidates, &pose);
+        let problem = self.problem(candidates, &pose.lines);
         let segments = problem.candidates();
         let missing = segments.len() < count;
         let known = |segment| last.get(&pose.since_start(segment)).copied().unwrap_or(0.0);
@@ -236,10 +234,10 @@ impl RuntimeContact {
         let loaded: Vec<usize> = (0..segments.len()).filter(carries).collect();
         let carrying: Vec<&Candidate> = loaded.iter().map(|&i| &segments[i]).collect();
         let forces: DVector<f64> = solution.force.select_rows(&loaded);
-        let (lines, scale) = (&pose.lines, |k| self.compliance(pose, k));
-        let influence = (self.condensed).slopes(&carrying, scale, lines.tau, pose.offset);
+        let lines = &pose.lines;
+        let influence = self.condensed.slopes(&carrying, lines);
         let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
-        let offset = pose.offset + STEPS[1];
+        let offset = lines.center_distance_offset + STEPS[1];
         let farther = (lines.section).near(self.setup.geometry.center_distance + offset);
         let moved = [
             ContactLines {
@@ -247,6 +245,7 @@ impl RuntimeContact {
                 ..lines.clone()
             },
             ContactLines {
+                center_distance_offset: offset,
                 section: farther.ok_or_else(|| self.setup.out_of_mesh(offset))?,
                 ..lines.clone()
             },
@@ -278,18 +277,11 @@ impl RuntimeContact {
         Ok((energy, slopes))
     }
 
-    /// Compliance of tooth pair `k` under its own load over that of others.
-    fn compliance(&self, pose: &Pose<'_>, k: i32) -> f64 {
-        let shares = self.condensed.shares;
-        (self.teeth.as_ref()).map_or(1.0, |teeth| teeth.compliance(shares, pose.counts, k))
-    }
-
     /// The problem of those of `candidates` that the nodes hold; others, far beyond their centre distances, bear nothing.
-    fn problem(&self, mut candidates: Vec<Candidate>, pose: &Pose<'_>) -> PositionProblem {
+    fn problem(&self, mut candidates: Vec<Candidate>, lines: &ContactLines<'_>) -> PositionProblem {
         let influence = |candidates: &[Candidate]| {
             let segments: Vec<&Candidate> = candidates.iter().collect();
-            let scale = |k| self.compliance(pose, k);
-            (self.condensed).influence(&segments, scale, pose.lines.tau, pose.offset)
+            self.condensed.influence(&segments, lines)
         };
         let mut known = influence(&candidates);
         let [first, second] = &known.lengths;
@@ -300,6 +292,6 @@ impl RuntimeContact {
             candidates.retain(|_| held.next() == Some(true));
             known = influence(&candidates);
         }
-        PositionProblem::new(&self.setup, &self.numbers, pose.offset, candidates, known)
+        PositionProblem::new(lines, candidates, known)
     }
 }

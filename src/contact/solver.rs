@@ -214,7 +214,7 @@ impl ContactSolver {
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
         let lines = self.lines(flank, tau, center_distance_offset)?;
-        self.problem(&lines, lines.candidates(), center_distance_offset)
+        self.problem(&lines, lines.candidates())
     }
 
     /// As [`ContactSolver::position`] of tooth pair 0 alone, all other teeth out of the way, at `place` base pitches from where it
@@ -229,7 +229,7 @@ impl ContactSolver {
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
         let lines = self.lines(flank, place, center_distance_offset)?;
-        self.problem(&lines, lines.of_pair(0).collect(), center_distance_offset)
+        self.problem(&lines, lines.of_pair(0).collect())
     }
 
     /// Places between which a tooth pair comes within the reach of contact at the deviation `center_distance_offset` (m).
@@ -265,10 +265,9 @@ impl ContactSolver {
         &self,
         lines: &ContactLines<'_>,
         mut candidates: Vec<Candidate>,
-        center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
         if candidates.is_empty() {
-            return Err(self.setup.out_of_mesh(center_distance_offset));
+            return Err(self.setup.out_of_mesh(lines.center_distance_offset));
         }
         for candidate in &mut candidates {
             let closed = candidate.points().map(|z| {
@@ -281,16 +280,9 @@ impl ContactSolver {
                 *gap -= closed;
             }
         }
-        let seen = seen_by_gears(lines, &candidates, false);
-        let influence = self.influence_of(lines, &candidates, &seen, center_distance_offset)?;
-        let (setup, numbers) = (&self.setup, &self.numbers);
-        let mut problem = PositionProblem::new(
-            setup,
-            numbers,
-            center_distance_offset,
-            candidates,
-            influence,
-        );
+        let seen = lines.all_seen_by_gears(&candidates, false);
+        let influence = self.influence_of(lines, &candidates, &seen)?;
+        let mut problem = PositionProblem::new(lines, candidates, influence);
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection_range(&self.deflection);
         problem.reach = problem.reach.map(|reach| reach - largest.max(0.0));
@@ -333,8 +325,8 @@ impl ContactSolver {
     ) -> Result<CondensedNode, ContactError> {
         let lines = self.lines(flank, tau, center_distance_offset)?;
         let segments = lines.segments_beyond(NODE_MARGIN * self.numbers.base_pitch);
-        let seen = seen_by_gears(&lines, &segments, true);
-        let influence = self.influence_of(&lines, &segments, &seen, center_distance_offset)?;
+        let seen = lines.all_seen_by_gears(&segments, true);
+        let influence = self.influence_of(&lines, &segments, &seen)?;
         Ok(CondensedNode {
             segments,
             influence,
@@ -346,12 +338,12 @@ impl ContactSolver {
         let lines = self.lines(flank, 0.0, 0.0)?;
         let mut segments = lines.segments_beyond(0.0);
         segments.retain(|segment| segment.tooth_pair == 0);
-        let seen = seen_by_gears(&lines, &segments, true);
+        let seen = lines.all_seen_by_gears(&segments, true);
         let mut sums = [0.0; 2];
         for (i, sum) in sums.iter_mut().enumerate() {
             let seen: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
             let bulk = self.model(&lines, i).bulk(&seen);
-            *sum = bulk.map_err(|model| beyond(model, 0.0))?.sum();
+            *sum = bulk.map_err(|model| beyond(&lines, model))?.sum();
         }
         let all = sums[0] + sums[1];
         Ok(sums.map(|sum| sum / all))
@@ -366,6 +358,7 @@ impl ContactSolver {
     ) -> Result<ContactLines<'_>, ContactError> {
         Ok(ContactLines {
             setup: &self.setup,
+            center_distance_offset,
             section: self.setup.section(&self.numbers, center_distance_offset)?,
             flank,
             tau,
@@ -388,28 +381,17 @@ impl ContactSolver {
         lines: &ContactLines<'_>,
         segments: &[Candidate],
         seen: &[[Segment; 2]],
-        center_distance_offset: f64,
     ) -> Result<Influence, ContactError> {
         let models = [0, 1].map(|i| self.model(lines, i));
         let reference = self.setup.reference_length;
         let influence = Influence::new(&self.numbers, models, segments, seen, reference);
-        influence.map_err(|model| beyond(model, center_distance_offset))
+        influence.map_err(|model| beyond(lines, model))
     }
 }
 
-/// `segments` as the gears see them; `clamped`: those beyond the reach of contact as if they lay at its end.
-fn seen_by_gears(
-    lines: &ContactLines<'_>,
-    segments: &[Candidate],
-    clamped: bool,
-) -> Vec<[Segment; 2]> {
-    let seen = |s: &Candidate| lines.seen_by_gears(s.tooth_pair, s.z, clamped);
-    segments.iter().map(seen).collect()
-}
-
-fn beyond(model: BeyondModel, center_distance_offset: f64) -> ContactError {
+fn beyond(lines: &ContactLines<'_>, model: BeyondModel) -> ContactError {
     ContactError::BeyondModel {
-        center_distance_offset,
+        center_distance_offset: lines.center_distance_offset,
         model,
     }
 }

@@ -17,7 +17,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{candidates::Candidate, transverse::PairNumbers};
+use super::candidates::{Candidate, ContactLines};
 use crate::compliance::{BeyondModel, Segment, ToothCompliance};
 use crate::root::bracket;
 
@@ -62,15 +62,14 @@ struct Piece {
 }
 
 impl Influence {
-    /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the
-    /// reference length `reference`, m.
+    /// Of `candidates` on `lines`, as the gears see them in `seen`, by the elastic models `compliance`.
     pub fn new(
-        numbers: &PairNumbers,
+        lines: &ContactLines<'_>,
         compliance: [&dyn ToothCompliance; 2],
         candidates: &[Candidate],
         seen: &[[Segment; 2]],
-        reference: f64,
     ) -> Result<Influence, BeyondModel> {
+        let (numbers, reference) = (lines.section.numbers(), lines.setup.reference_length);
         let n = candidates.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [Vec::new(), Vec::new()];

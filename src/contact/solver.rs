@@ -383,8 +383,7 @@ impl ContactSolver {
         seen: &[[Segment; 2]],
     ) -> Result<Influence, ContactError> {
         let models = [0, 1].map(|i| self.model(lines, i));
-        let reference = self.setup.reference_length;
-        let influence = Influence::new(&self.numbers, models, segments, seen, reference);
+        let influence = Influence::new(lines, models, segments, seen);
         influence.map_err(|model| beyond(lines, model))
     }
 }

@@ -103,6 +103,8 @@ pub struct ContactResult {
     pub iterations: usize,
     /// Derivatives at the solution.
     pub tangent: Tangent,
+    /// A pressure that no flank carries, or an approach beyond that for which tip edges were followed.
+    pub excess: Option<Failure>,
     /// Every segment that may touch, in the order of [`PositionProblem::candidates`].
     pub segments: Vec<SegmentLoad>,
 }
@@ -251,10 +253,10 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let solution = self.warm_solution(prescribed, misalignment, warm)?;
-        match solution.excess {
+        let result = self.solve_beyond(prescribed, misalignment, warm)?;
+        match result.excess {
             Some(failure) => Err(self.unsolved(prescribed, misalignment, failure)),
-            None => Ok(self.result(solution, misalignment)),
+            None => Ok(result),
         }
     }
 
@@ -269,22 +271,13 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let solution = self.warm_solution(prescribed, misalignment, warm)?;
-        Ok(self.result(solution, misalignment))
-    }
-
-    fn warm_solution(
-        &self,
-        prescribed: Prescribed,
-        misalignment: f64,
-        warm: Option<&ContactResult>,
-    ) -> Result<Solution, ContactError> {
         let forces = warm.map(|warm| warm.segments.iter().map(|s| s.force).collect::<Vec<_>>());
         let start = warm.zip(forces.as_deref()).map(|(warm, forces)| Start {
             forces,
             approach: warm.approach,
         });
-        self.solution(prescribed, misalignment, start)
+        let solution = self.solution(prescribed, misalignment, start)?;
+        Ok(self.result(solution, misalignment))
     }
 
     fn unsolved(
@@ -379,6 +372,7 @@ impl PositionProblem {
             kkt_residual: solution.kkt_residual,
             iterations: solution.iterations,
             tangent,
+            excess: solution.excess,
             segments,
         }
     }

@@ -31,11 +31,6 @@ impl Case {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<Case>, ContactError> {
         let cycles = MeshCycle::solve_all(solver, input, loads, progress)?;
-        let geometry = solver.geometry();
-        let (low, width) = geometry.face_overlap();
-        let ends = [low, low + width];
-        let cos_beta_b = geometry.base_helix_angle().cos();
-        let stations = solver.settings().stations;
         let case = |(cycle, load): (MeshCycle, &LoadCase)| {
             let input = CycleInput {
                 torque: load.torque,
@@ -45,7 +40,7 @@ impl Case {
             let roots = fillets.map(|fillets| cycle.root_stress(solver, &input, &fillets.maps));
             Ok(Case {
                 roots: roots.transpose()?,
-                face_load: cycle.face_load(ends, stations, cos_beta_b),
+                face_load: cycle.face_load(solver),
                 input,
                 cycle,
             })
@@ -68,9 +63,8 @@ impl Case {
 
     pub fn share(&self, i: usize, pair: i32) -> f64 {
         let mut shares = self.cycle.results[i].load_share.iter();
-        shares
-            .find(|(k, _)| *k == pair)
-            .map_or(0.0, |share| share.1)
+        let share = shares.find(|(k, _)| *k == pair);
+        share.map_or(0.0, |share| share.1)
     }
 
     /// What friction takes while gear 1 makes `rpm` turns a minute.

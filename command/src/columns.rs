@@ -1,10 +1,9 @@
 //! Quantities of the rows of a result: one description for CSV files, JSON, and tables and listings of text.
 
-use gearmesh::words::{fixed, rounded};
+use gearmesh::words::{fixed, rounded, shown, shown_in_full};
 use serde_json::{Map, Value};
 
-use crate::Error;
-use crate::output::Listing;
+use crate::Result;
 
 /// A quantity of the rows `T`.
 pub struct Column<'a, T> {
@@ -142,7 +141,7 @@ pub fn csv<'g, G, T, Rows: IntoIterator<Item = T>>(
     columns: &[Column<T>],
     groups: &'g [G],
     rows: impl Fn(&'g G) -> Rows,
-) -> Result<Vec<u8>, Error> {
+) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = keys.iter().map(|key| &key.name);
     writer.write_record(names.chain(named(columns).map(|column| &column.name)))?;
@@ -154,4 +153,42 @@ pub fn csv<'g, G, T, Rows: IntoIterator<Item = T>>(
         }
     }
     Ok(writer.into_inner()?)
+}
+
+/// Adds rows `name => format, values;` to a [`Listing`].
+macro_rules! rows {
+    ($rows:expr; $($name:expr => $format:literal $(, $value:expr)*;)*) => {{
+        $($rows.row($name, format!($format $(, $value)*));)*
+    }};
+}
+pub(crate) use rows;
+
+/// Lines of `name  value unit` with the values aligned.
+#[derive(Debug, Default)]
+pub struct Listing {
+    rows: Vec<(String, String)>,
+}
+
+impl Listing {
+    pub fn row(&mut self, name: impl AsRef<str>, value: impl AsRef<str>) {
+        // Either may come from a file that somebody else wrote.
+        let row = (shown(name.as_ref()), shown_in_full(value.as_ref()));
+        self.rows.push(row);
+    }
+
+    pub fn joined(&self, rows: &str, columns: &str) -> String {
+        let row = |(name, value): &(String, String)| format!("{name}{columns}{value}");
+        self.rows.iter().map(row).collect::<Vec<_>>().join(rows)
+    }
+}
+
+impl std::fmt::Display for Listing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let widths = self.rows.iter().map(|(name, _)| name.chars().count());
+        let width = widths.max().unwrap_or(0);
+        for (name, value) in &self.rows {
+            writeln!(f, "  {name:width$}  {value}")?;
+        }
+        Ok(())
+    }
 }

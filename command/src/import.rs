@@ -7,7 +7,7 @@ use gearmesh::table::TableFile;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::import::import_csv;
 
-use crate::output;
+use crate::{Result, output};
 
 /// Make tables of the samples of another contact program.
 ///
@@ -32,15 +32,16 @@ pub struct Import {
 }
 
 impl Import {
-    pub fn run(self) -> Result<(), crate::Error> {
-        let read = [&self.pair, &self.samples].into_iter().chain(&self.coast);
-        output::check_writable(&self.output, read)?;
+    pub fn run(self) -> Result<()> {
+        let files = [&self.pair, &self.samples].into_iter().chain(&self.coast);
+        output::check_writable(&self.output, files)?;
         let pair = pair::read(&self.pair)?;
-        let read = |path: &PathBuf| -> Result<_, crate::Error> {
+        let nominal = pair.operating.nominal_torque;
+        let read = |path: &PathBuf| -> Result<_> {
             let named = |error: String| format!("{}: {error}", path.display());
             let imported = import_csv(&output::read_text(path)?, &pair.geometry);
             let imported = imported.map_err(|error| named(error.to_string()))?;
-            let doubt = imported.doubt(&pair.geometry, pair.operating.nominal_torque);
+            let doubt = imported.doubt(&pair.geometry, nominal);
             if let Some(doubt) = doubt.map_err(|error| named(error.to_string()))? {
                 eprintln!("gearmesh: note: {}", named(doubt));
             }
@@ -50,8 +51,7 @@ impl Import {
         let coast = self.coast.as_ref().map(read).transpose()?;
         if coast.is_none() && !pair.coast_mirrors_drive() {
             refuse!(
-                "{}: modifications or face offset make the flanks differ; give the samples of the coast \
-                 flank with --coast",
+                "{}: modifications or face offset make the flanks differ; give the samples of the coast flank with --coast",
                 self.pair.display()
             );
         }
@@ -59,16 +59,13 @@ impl Import {
             &pair.name,
             &format!("samples in {}", self.samples.display()),
             &pair.geometry,
-            [pair.operating.nominal_torque, drive.maximum_torque],
+            [nominal, drive.maximum_torque],
             &drive.grid,
             coast.as_ref().map(|c| &c.grid),
         );
         file.check()?;
         output::write_whole(&self.output, file.to_json().as_bytes())?;
-        let words = file.size_and_error();
-        Ok(output::print(&format!(
-            "Wrote {}: {words}\n",
-            self.output.display()
-        ))?)
+        let (path, words) = (self.output.display(), file.size_and_error());
+        output::print(&format!("Wrote {path}: {words}\n"))
     }
 }

@@ -10,11 +10,8 @@ macro_rules! refuse {
     };
 }
 
-mod cache;
 mod case;
 mod columns;
-mod cost;
-mod flank_summary;
 mod import;
 mod inspect;
 mod limits;
@@ -23,7 +20,6 @@ mod new;
 mod output;
 mod pack;
 mod pair_summary;
-mod progress;
 mod report;
 mod rexs;
 mod solve;
@@ -54,14 +50,16 @@ enum Command {
     Inspect(inspect::Inspect),
     Report(report::Report),
     Study(study::Study),
-    Cache(cache::Cache),
+    Cache(model::Cache),
 }
 
 /// Any error of a subcommand; its chain is printed on one line.
 type Error = Box<dyn std::error::Error>;
 
+type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// From now on the signals to interrupt and to terminate end the process after the file that is being written.
-fn stop_on_signals() -> Result<(), Error> {
+fn stop_on_signals() -> Result<()> {
     ctrlc::set_handler(|| {
         uninterrupted(|| {
             eprintln!("gearmesh: stopped; no unfinished file is left");

@@ -1,5 +1,6 @@
-//! The options that choose how teeth are modelled, shared by the subcommands that solve contact.
+//! Elastic models of teeth: the options of all subcommands that solve contact, where models are kept, and `gearmesh cache`.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -9,14 +10,15 @@ use gearmesh::compliance::ToothCompliance;
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
+use gearmesh::words::count;
 use gearmesh_preprocessor::finite_element::{
     ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, pair_root_stress,
 };
+use indicatif::HumanDuration;
 
-use crate::Error;
-use crate::cache::CacheArgs;
-use crate::limits;
-use crate::progress::Job;
+use crate::columns::Listing;
+use crate::output::{self, Job};
+use crate::{Result, limits};
 
 /// How teeth are modelled.
 #[derive(Debug, Clone, Args)]
@@ -85,7 +87,7 @@ impl ModelArgs {
     }
 
     /// Begins the work, on the chosen number of threads. Once per run.
-    pub fn start(&self) -> Result<Job, Error> {
+    pub fn start(&self) -> Result<Job> {
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build_global()?;
@@ -94,7 +96,7 @@ impl ModelArgs {
     }
 
     /// The model of `pair`, to which the command line has been applied; with the fillets for loads on the flank `roots`.
-    pub fn model(&self, pair: &Pair, roots: Option<Flank>, job: &Job) -> Result<Model, Error> {
+    pub fn model(&self, pair: &Pair, roots: Option<Flank>, job: &Job) -> Result<Model> {
         let begin = Instant::now();
         let cache = self.cache_in_use();
         let progress = progress(job, "elastic model");
@@ -114,7 +116,7 @@ impl ModelArgs {
     }
 
     /// The models of the fillets of `pair` loaded on `flank`, as part of `job`.
-    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets, Error> {
+    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets> {
         let begin = Instant::now();
         let cache = self.cache_in_use();
         let progress = progress(job, "model of the fillets");
@@ -141,7 +143,7 @@ impl ModelArgs {
         }
     }
 
-    pub fn are_cached(&self, pair: &Pair) -> Result<bool, Error> {
+    pub fn are_cached(&self, pair: &Pair) -> Result<bool> {
         let (geometry, settings) = (&pair.geometry, self.settings(pair));
         let known = |cache| PairCompliance::is_kept(geometry, &settings, &cache);
         Ok(self.cache_in_use().map_or(Ok(false), known)?)
@@ -226,4 +228,74 @@ fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> 
         [first, second] => format!("gear 1 {first}, gear 2 {second}"),
     };
     format!("{:.3} s, {words}", begin.elapsed().as_secs_f64())
+}
+
+/// Where elastic models are kept.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Cache of elastic models")]
+pub struct CacheArgs {
+    /// Folder that keeps elastic models [default: gearmesh in the user's cache folder]
+    #[arg(long, env = "GEARMESH_CACHE_DIR", hide_env_values = true)]
+    cache_dir: Option<PathBuf>,
+
+    /// Largest size of that folder in megabytes; the least recently used models make room for new ones
+    #[arg(long, env = "GEARMESH_CACHE_LIMIT_MB", hide_env_values = true, value_name = "MB", default_value_t = ModelCache::DEFAULT_LIMIT / 1_000_000)]
+    cache_limit_mb: u64,
+}
+
+impl CacheArgs {
+    /// The cache; None where the system names no folder for it.
+    pub fn cache(&self) -> Option<ModelCache> {
+        let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+        let directory = (self.cache_dir.clone())
+            .or_else(|| variable("XDG_CACHE_HOME").map(|base| Path::new(&base).join("gearmesh")))
+            .or_else(|| variable("HOME").map(|home| Path::new(&home).join(".cache/gearmesh")))
+            .or_else(|| variable("LOCALAPPDATA").map(|base| Path::new(&base).join("gearmesh")))?;
+        let limit = self.cache_limit_mb.saturating_mul(1_000_000);
+        Some(ModelCache::new(directory, limit))
+    }
+}
+
+/// Show or empty the folder that keeps elastic models of teeth.
+#[derive(Debug, Args)]
+pub struct Cache {
+    /// Remove all models; other files stay
+    #[arg(long)]
+    clear: bool,
+
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+impl Cache {
+    pub fn run(self) -> Result<()> {
+        let cache = self.cache.cache();
+        let cache = cache.ok_or("no folder for elastic models: name one with --cache-dir")?;
+        let folder = cache.directory().display();
+        let failed = |error| format!("{folder}: {error}; name another folder with --cache-dir");
+        let models = cache.models().map_err(failed)?;
+        let total = megabytes(models.iter().map(|model| model.bytes).sum());
+        if self.clear {
+            let removed = count(cache.clear().map_err(failed)?, "model");
+            let mut text = format!("{folder}: removed {removed}, {total}\n");
+            for path in cache.others().map_err(failed)? {
+                text += &format!("left {}, which is no model of this cache\n", path.display());
+            }
+            return output::print(&text);
+        }
+        let mut rows = Listing::default();
+        for model in models.iter().rev() {
+            let unused = HumanDuration(model.used.elapsed().unwrap_or_default());
+            let gear = model.gear.as_deref().unwrap_or("model of another version");
+            let size = megabytes(model.bytes);
+            rows.row(gear, format!("{size}, last used {unused} ago"));
+        }
+        let number = count(models.len(), "elastic model");
+        let limit = megabytes(cache.limit());
+        output::print(&format!("{folder}: {number}, {total} of {limit}\n{rows}"))
+    }
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.1} MB", bytes as f64 / 1e6)
 }

@@ -8,9 +8,7 @@ use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::pair;
 
-use crate::limits;
-use crate::output;
-use crate::rexs;
+use crate::{Result, limits, output, rexs};
 
 /// Write a commented pair file to start from.
 ///
@@ -78,7 +76,7 @@ struct File<'a> {
 }
 
 impl New {
-    pub fn run(self) -> Result<(), crate::Error> {
+    pub fn run(self) -> Result<()> {
         if let Some(file) = &self.rexs {
             let taken = rexs::pair_file(file, self.stage, self.torque_nm)?;
             return self.write(&taken.text, &taken.summary);
@@ -93,9 +91,9 @@ impl New {
     }
 
     /// Writes the pair file `text`; `summary` is printed with a file.
-    fn write(&self, text: &str, summary: &str) -> Result<(), crate::Error> {
+    fn write(&self, text: &str, summary: &str) -> Result<()> {
         let Some(path) = &self.output else {
-            return Ok(output::print(text)?);
+            return output::print(text);
         };
         let file = path.display();
         if path.exists() {
@@ -103,11 +101,11 @@ impl New {
         }
         output::write_whole(path, text.as_bytes())?;
         let next = format!("look at it with `gearmesh inspect {file}`");
-        Ok(output::print(&format!("{summary}Wrote {file}; {next}\n"))?)
+        output::print(&format!("{summary}Wrote {file}; {next}\n"))
     }
 
     /// The file; `derived` is a comment on what follows from it.
-    fn text(&self, backlash_um: f64, derived: &str) -> Result<String, crate::Error> {
+    fn text(&self, backlash_um: f64, derived: &str) -> Result<String> {
         let stem = self.output.as_deref().and_then(|path| path.file_stem());
         let name = self.name.clone().unwrap_or_else(|| match stem {
             Some(stem) => stem.to_string_lossy().into_owned(),
@@ -131,10 +129,9 @@ impl New {
     fn tool_tip_radius(&self) -> f64 {
         let (sin, cos) = self.pressure_angle_deg.to_radians().sin_cos();
         let room = (std::f64::consts::FRAC_PI_4 - 1.25 * sin / cos) * cos / (1.0 - sin);
-        if room >= 0.38 {
-            0.38
-        } else {
-            (20.0 * room).floor().max(0.0) / 20.0
+        match room >= 0.38 {
+            true => 0.38,
+            false => (20.0 * room).floor().max(0.0) / 20.0,
         }
     }
 

@@ -1,33 +1,35 @@
-//! Text to standard output, whole files to disk, errors in one line.
+//! Text to standard output, progress to standard error, whole files to disk, errors in one line.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-use gearmesh::words::{shown, shown_in_full};
 use gearmesh_preprocessor::storage;
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+
+use crate::{Error, Result};
 
 /// Writes `bytes` to `path`, whole or not at all: see [`storage::write_whole`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     storage::write_whole(path, bytes).map_err(|error| unwritable(path, &error))
 }
 
-fn unwritable(path: &Path, error: &io::Error) -> String {
-    format!(
-        "cannot write {}: {error}; name a file in a folder that exists and can be written",
-        path.display()
-    )
+fn unwritable(path: &Path, error: &io::Error) -> Error {
+    let path = path.display();
+    format!("cannot write {path}: {error}; name a file in a folder that exists and can be written")
+        .into()
 }
 
 /// Refuses `path` before the work whose result it shall take, where it cannot be written or is one of the files `read`.
 pub fn check_writable<P: AsRef<Path>>(
     path: &Path,
     read: impl IntoIterator<Item = P>,
-) -> Result<(), String> {
-    let known = |path: &Path| path.canonicalize().ok();
-    let here = known(path);
+) -> Result<()> {
+    let here = path.canonicalize().ok();
     for input in read {
         let input = input.as_ref();
-        if here.is_some() && known(input) == here {
+        if here.is_some() && input.canonicalize().ok() == here {
             let (path, input) = (path.display(), input.display());
             refuse!("--output {path} is {input}, which is read: give another file");
         }
@@ -35,13 +37,14 @@ pub fn check_writable<P: AsRef<Path>>(
     storage::check_writable(path).map_err(|error| unwritable(path, &error))
 }
 
-pub fn make_folder(option: &str, path: &Path) -> Result<(), String> {
-    std::fs::create_dir_all(path).map_err(|error| {
-        format!(
-            "{option} = {}: making this folder failed: {error}; name one that is there or can be made",
-            path.display()
-        )
-    })
+pub fn make_folder(option: &str, path: &Path) -> Result<()> {
+    let Err(error) = std::fs::create_dir_all(path) else {
+        return Ok(());
+    };
+    let path = path.display();
+    refuse!(
+        "{option} = {path}: making this folder failed: {error}; name one that is there or can be made"
+    );
 }
 
 /// Longest text that is read, bytes: some hundred times the tables of a pair.
@@ -67,19 +70,17 @@ pub fn read_text(path: &Path) -> Result<String, String> {
 }
 
 pub fn unreadable(path: &Path, error: &io::Error) -> String {
-    format!(
-        "cannot read {}: {error}; name a file that exists and that you may read",
-        path.display()
-    )
+    let path = path.display();
+    format!("cannot read {path}: {error}; name a file that exists and that you may read")
 }
 
 /// Prints `text` to standard output. A reader that has gone away (`gearmesh ... | head`) is no error.
-pub fn print(text: &str) -> io::Result<()> {
+pub fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(io::Error::other(format!(
-            "cannot write to standard output: {error}; send it elsewhere, or make room"
-        ))),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            refuse!("cannot write to standard output: {error}; send it elsewhere, or make room")
+        }
         _ => Ok(()),
     }
 }
@@ -99,41 +100,47 @@ pub fn chain(error: &dyn std::error::Error) -> String {
     line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Adds rows `name => format, values;` to a [`Listing`].
-macro_rules! rows {
-    ($rows:expr; $($name:expr => $format:literal $(, $value:expr)*;)*) => {
-        $($rows.row($name, format!($format $(, $value)*));)*
-    };
-}
-pub(crate) use rows;
-
-/// Lines of `name  value unit` with the values aligned.
-#[derive(Debug, Default)]
-pub struct Listing {
-    rows: Vec<(String, String)>,
+/// The work of a command, whose progress is shown: on a terminal in one line that is written over and disappears when this
+/// is dropped, else in a line now and then.
+pub struct Job {
+    line: ProgressBar,
+    /// When the last line was printed where there is no terminal; None: quiet.
+    printed: Option<Mutex<Instant>>,
 }
 
-impl Listing {
-    pub fn row(&mut self, name: impl AsRef<str>, value: impl AsRef<str>) {
-        // Either may come from a file that somebody else wrote.
-        let row = (shown(name.as_ref()), shown_in_full(value.as_ref()));
-        self.rows.push(row);
-    }
+/// Time between two lines where there is no terminal; short work says nothing.
+const EVERY: Duration = Duration::from_secs(10);
 
-    pub fn in_one_line(&self) -> String {
-        let row = |(name, value): &(String, String)| format!("{name} {value}");
-        self.rows.iter().map(row).collect::<Vec<_>>().join("; ")
-    }
-}
-
-impl std::fmt::Display for Listing {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let widths = self.rows.iter().map(|(name, _)| name.chars().count());
-        let width = widths.max().unwrap_or(0);
-        for (name, value) in &self.rows {
-            writeln!(f, "  {name:width$}  {value}")?;
+impl Job {
+    pub fn new(quiet: bool) -> Job {
+        // Hides itself where standard error is no terminal.
+        let target = match quiet {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        let line = ProgressBar::with_draw_target(None, target);
+        let line = line.with_finish(ProgressFinish::AndClear);
+        if let Ok(style) = ProgressStyle::with_template("after {elapsed}: {msg}") {
+            line.set_style(style);
         }
-        Ok(())
+        Job {
+            line,
+            printed: (!quiet).then(|| Mutex::new(Instant::now())),
+        }
+    }
+
+    pub fn show(&self, stage: &str, share: f64) {
+        let words = format!("{stage}, {:.0} %", 100.0 * share);
+        if let (true, Some(printed)) = (self.line.is_hidden(), &self.printed) {
+            let mut printed = printed.lock().unwrap_or_else(PoisonError::into_inner);
+            if printed.elapsed() >= EVERY {
+                *printed = Instant::now();
+                let elapsed = HumanDuration(self.line.elapsed());
+                eprintln!("gearmesh: after {elapsed}: {words}");
+            }
+        }
+        self.line.set_message(words);
+        self.line.tick();
     }
 }
 

@@ -1,18 +1,18 @@
 //! `gearmesh pack`: tables or a pair, and the compiled library, into one .fmu file; `gearmesh build`: from a pair through its
 //! tables.
 
-use gearmesh_preprocessor::pair;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use gearmesh::contact::ContactFile;
 use gearmesh::table::TableFile;
-use gearmesh_preprocessor::package::{self, Contents, Library, Packed, Setting, Starts};
+use gearmesh_preprocessor::package::{self, Contents, Library, Setting, Starts};
+use gearmesh_preprocessor::pair;
 
 use crate::inspect::is_tables;
 use crate::model::ModelArgs;
-use crate::output;
 use crate::tables::{self, GridArgs};
+use crate::{Result, output};
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -43,22 +43,76 @@ struct UnitArgs {
     set: Vec<Setting>,
 }
 
+impl UnitArgs {
+    /// The libraries that were named, or those in the folder of this program.
+    fn libraries(&self) -> Result<Vec<Library>> {
+        if self.library.is_empty() {
+            return Ok(package::libraries_beside(&std::env::current_exe()?)?);
+        }
+        let libraries = self.library.iter().map(|path| Library::read(path));
+        Ok(libraries.collect::<Result<_, _>>()?)
+    }
+
+    /// Packs the FMU of these tables and of `contact` at run time; returns what is to be said of it.
+    fn pack_tables(
+        &self,
+        tables: &TableFile,
+        contact: Option<&ContactFile>,
+        libraries: &[Library],
+        more: &str,
+    ) -> Result<String> {
+        let contents = Contents {
+            name: &tables.name,
+            geometry: &tables.geometry,
+            tables: Some(tables),
+            contact,
+            starts: &Starts::of_tables(tables)?.with(&self.set),
+        };
+        self.pack(&contents, libraries, more)
+    }
+
+    /// Packs `contents`; returns what was packed and `more` about it, with a last line where it runs on one platform alone.
+    fn pack(&self, contents: &Contents, libraries: &[Library], more: &str) -> Result<String> {
+        let packed = package::pack(contents, libraries, &self.output)?;
+        let words = format!(
+            "{}: {:.2} MB, GUID {}, runs on {}{more}\n",
+            self.output.display(),
+            packed.bytes as f64 / 1e6,
+            packed.guid,
+            packed.platforms.join(" and ")
+        );
+        let [only] = &packed.platforms[..] else {
+            return Ok(words);
+        };
+        let platform = only.split(' ').next().unwrap_or(only);
+        let other = if platform == "win64" {
+            "Linux"
+        } else {
+            "Windows"
+        };
+        Ok(format!(
+            "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"
+        ))
+    }
+}
+
 impl Pack {
-    pub fn run(self) -> Result<(), crate::Error> {
-        let (path, set) = (&self.unit.output, &self.unit.set);
-        output::check_writable(path, self.tables.iter().chain(&self.pair))?;
-        let libraries = libraries(&self.unit.library)?;
-        let packed = if let Some(tables) = &self.tables {
+    pub fn run(self) -> Result<()> {
+        output::check_writable(&self.unit.output, self.tables.iter().chain(&self.pair))?;
+        let libraries = self.unit.libraries()?;
+        let words = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
                 let (tables, error) = (tables.display(), output::chain(&error));
-                let remedy = match is_tables(&text) {
-                    true => "",
-                    false => "; a pair file is packed by `--pair`",
+                let is_pair = !is_tables(&text);
+                let remedy = if is_pair {
+                    "; a pair file is packed by `--pair`"
+                } else {
+                    ""
                 };
                 format!("--tables = {tables}: {error}{remedy}")
             })?;
-            pack_tables(&file, None, &libraries, set, path)?
+            self.unit.pack_tables(&file, None, &libraries, "")?
         } else {
             let pair = pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;
             let starts = Starts::constant_stiffness(&pair.geometry, pair.operating.nominal_torque);
@@ -67,11 +121,11 @@ impl Pack {
                 geometry: &pair.geometry,
                 tables: None,
                 contact: None,
-                starts: &starts.with(set),
+                starts: &starts.with(&self.unit.set),
             };
-            package::pack(&contents, &libraries, path)?
+            self.unit.pack(&contents, &libraries, "")?
         };
-        Ok(output::print(&in_words(&packed, path, ""))?)
+        output::print(&words)
     }
 }
 
@@ -96,69 +150,21 @@ pub struct Build {
 }
 
 impl Build {
-    pub fn run(self) -> Result<(), crate::Error> {
+    pub fn run(self) -> Result<()> {
         // A missing library shall not cost the time of the tables.
-        let libraries = libraries(&self.unit.library)?;
-        let UnitArgs { output, set, .. } = &self.unit;
+        let libraries = self.unit.libraries()?;
+        let set = &self.unit.set;
         let (mut grid, mut model) = (self.grid, self.model);
         // What the FMU starts with must be in its tables.
         grid.friction |= set.contains(&Setting::FRICTION);
         model.root_stress |= set.contains(&Setting::ROOT_STRESS);
         grid.teeth |= set.contains(&Setting::TEETH);
         let contact = self.contact || set.contains(&Setting::CONTACT);
-        let made = tables::compute(&self.pair, output, &grid, contact, &model)?;
-        let contact = made.contact.as_ref();
-        let packed = pack_tables(&made.file, contact, &libraries, set, output)?;
-        let words = in_words(&packed, output, &format!("; {}", made.text));
-        Ok(output::print(&format!("Wrote {words}"))?)
+        let made = tables::compute(&self.pair, &self.unit.output, &grid, contact, &model)?;
+        let (contact, more) = (made.contact.as_ref(), format!("; {}", made.text));
+        let words = self
+            .unit
+            .pack_tables(&made.file, contact, &libraries, &more)?;
+        output::print(&format!("Wrote {words}"))
     }
-}
-
-/// The FMU that was `packed` into the file `path` and `more` about it; a last line where it runs on one platform alone.
-fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
-    let words = format!(
-        "{}: {:.2} MB, GUID {}, runs on {}{more}\n",
-        path.display(),
-        packed.bytes as f64 / 1e6,
-        packed.guid,
-        packed.platforms.join(" and ")
-    );
-    let [only] = &packed.platforms[..] else {
-        return words;
-    };
-    let platform = only.split(' ').next().unwrap_or(only);
-    let other = match platform {
-        "win64" => "Linux",
-        _ => "Windows",
-    };
-    format!(
-        "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"
-    )
-}
-
-/// Packs the FMU of these tables and of `contact` at run time with the start values of `settings`.
-fn pack_tables(
-    tables: &TableFile,
-    contact: Option<&ContactFile>,
-    libraries: &[Library],
-    settings: &[Setting],
-    output: &Path,
-) -> Result<Packed, crate::Error> {
-    let contents = Contents {
-        name: &tables.name,
-        geometry: &tables.geometry,
-        tables: Some(tables),
-        contact,
-        starts: &Starts::of_tables(tables)?.with(settings),
-    };
-    Ok(package::pack(&contents, libraries, output)?)
-}
-
-/// The libraries at `paths`, or those in the folder of this program if there are none.
-fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
-    if paths.is_empty() {
-        return Ok(package::libraries_beside(&std::env::current_exe()?)?);
-    }
-    let libraries = paths.iter().map(|path| Library::read(path));
-    Ok(libraries.collect::<Result<_, _>>()?)
 }

@@ -1,31 +1,37 @@
 //! What a pair is, in the figures an engineer checks first against the drawing: as text and as JSON.
 
-use gearmesh::gear::{Flank, Gear, GearKind, ProfileSlope, ToothProfile};
+use gearmesh::gear::{Flank, Gear, GearKind, Microgeometry, ReliefShape, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, lead};
 use gearmesh_preprocessor::pair::{self, Gauges};
 use serde_json::{Value, json};
 
-use crate::columns::{Column, columns, list, object};
-use crate::flank_summary::{modifications, tooth_errors, topographies};
-use crate::output::{Listing, rows};
+use crate::columns::{Column, Listing, columns, list, object, rows};
 
 /// The pair in text: geometry in mesh, each gear, its modifications, the ranges to be covered.
 pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
     let mut mesh = Listing::default();
     list(&mut mesh, &in_mesh(pair), &());
-    let [one, two] = [0, 1].map(|i| gear(pair, i, gauges[i]));
+    let [one, two] = [0, 1].map(|i| {
+        let mut rows = Listing::default();
+        list(&mut rows, &gear(pair, i, gauges[i]), &());
+        body(&pair.geometry.gears[i], &mut rows);
+        modifications(pair, i, &mut rows);
+        tooth_errors(pair, i, &mut rows);
+        rows
+    });
     let (name, operating) = (&pair.name, operating(pair));
-    let notes = pair.warnings.iter().map(|note| format!("\nnote: {note}\n"));
-    let notes: String = notes.collect();
+    let notes: String = (pair.warnings.iter())
+        .map(|note| format!("\nnote: {note}\n"))
+        .collect();
     format!("{name}\n{mesh}\ngear 1\n{one}\ngear 2\n{two}\noperating\n{operating}{notes}")
 }
 
 pub fn as_json(pair: &Pair, gauges: [Gauges; 2]) -> Value {
     let mut all = object(&in_mesh(pair), &());
     for (i, name) in ["gear1", "gear2"].into_iter().enumerate() {
-        let mut gear = object(&quantities(pair, i, gauges[i]), &());
+        let mut gear = object(&gear(pair, i, gauges[i]), &());
         gear.insert("reliefs".into(), reliefs(pair, i));
         all.insert(name.into(), gear.into());
     }
@@ -33,17 +39,18 @@ pub fn as_json(pair: &Pair, gauges: [Gauges; 2]) -> Value {
     all.into()
 }
 
-/// What a build prints of the pair, a line each: tooth thickness, topographies, notes but for that on the teeth.
-pub fn at_build(pair: &Pair) -> Vec<String> {
-    let mut lines = vec![format!("teeth: {}", thinning(pair))];
+/// What a build prints of the pair: tooth thickness, topographies, notes but for that on the teeth.
+pub fn at_build(pair: &Pair, rows: &mut Listing) {
+    rows.row("teeth", thinning(pair));
     for i in 0..2 {
-        let rows = topographies(pair, i).into_iter();
-        lines.extend(rows.map(|(name, words)| format!("gear {}, {name}: {words}", i + 1)));
+        for (name, words) in topographies(pair, i) {
+            rows.row(format!("gear {}, {name}", i + 1), words);
+        }
     }
     let notes = pair.warnings.iter().map(String::as_str);
-    let notes = notes.filter(|&note| Some(note) != pair::note_on_teeth(&pair.teeth));
-    lines.extend(notes.map(|note| format!("note: {note}")));
-    lines
+    for note in notes.filter(|&note| Some(note) != pair::note_on_teeth(&pair.teeth)) {
+        rows.row("note", note);
+    }
 }
 
 /// By how much the teeth are thinner than their profile shifts make them.
@@ -93,57 +100,6 @@ fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
     }
 }
 
-fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Listing {
-    let mesh = &pair.geometry;
-    let g = &mesh.gears[i];
-    let [ring, held] = match g.kind {
-        GearKind::External => ["", "bore (held)"],
-        GearKind::Ring if g.foundation.is_some() => [", ring", "rim (on a foundation)"],
-        GearKind::Ring => [", ring", "rim (held)"],
-    };
-    let face = between([g.face_offset, g.face_offset + g.face_width]);
-    let active = g.radius_at_roll(mesh.active_start_roll(i, mesh.center_distance));
-    let mut rows = Listing::default();
-    rows! { rows;
-        "teeth" => "{}{ring}", g.teeth;
-        "profile shift coefficient" => "{:.4}", g.profile_shift;
-        "face" => "{face} in the frame of gear 1";
-        "tip diameter" => "{}", diameter(g.tip_radius);
-    }
-    if g.tip_chamfer > 0.0 {
-        rows.row("tip form (chamfer) diameter", diameter(g.tip_form_radius()));
-    }
-    rows! { rows;
-        "operating pitch diameter" => "{}", diameter(mesh.operating_pitch_radius(i, mesh.center_distance));
-        "active profile start diameter" => "{}", diameter(active);
-    }
-    // A pair that was read has passed the checks that generate this profile.
-    if let Ok(profile) = ToothProfile::new(g) {
-        rows! { rows;
-            "involute start diameter" => "{}", diameter(profile.form_radius());
-            "tip land" => "{:.4} mm", profile.tip_land() * 1e3;
-        }
-        if profile.is_undercut() {
-            rows.row("undercut", "yes");
-        }
-    }
-    rows! { rows;
-        "base diameter" => "{}", diameter(g.base_radius());
-        "root diameter" => "{}", diameter(g.root_radius());
-    }
-    if !g.body.is_some_and(|body| body.is_shaft()) {
-        rows.row(format!("{held} diameter"), diameter(g.held_radius));
-    }
-    list(&mut rows, &quantities(pair, i, gauges), &());
-    body(g, &mut rows);
-    rows! { rows;
-        "material" => "E {:.1} GPa, Poisson ratio {}", g.youngs_modulus * 1e-9, g.poisson_ratio;
-    }
-    modifications(pair, i, &mut rows);
-    tooth_errors(pair, i, &mut rows);
-    rows
-}
-
 fn hand(gear: &Gear) -> &'static str {
     match (gear.helix_angle > 0.0, gear.hand > 0.0) {
         (false, _) => "spur",
@@ -152,46 +108,64 @@ fn hand(gear: &Gear) -> &'static str {
     }
 }
 
-/// Tooth thickness in its four forms and what else a drawing says of gear `i`, as it is computed.
-fn quantities(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
+/// What a drawing says of gear `i`, its tooth thickness in four forms, as it is computed.
+fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     let mesh = &pair.geometry;
     let g = &mesh.gears[i];
+    let c = mesh.center_distance;
     let mm = |length: f64| (1e3 * length).is_finite().then_some(1e3 * length);
+    let diameter = move |radius: f64| mm(2.0 * radius);
+    let [ring, held, teeth, over] = match g.kind {
+        GearKind::External => ["", "bore (held) diameter", "teeth", "over"],
+        GearKind::Ring if g.foundation.is_some() => [
+            ", ring",
+            "rim (on a foundation) diameter",
+            "spaces",
+            "between",
+        ],
+        GearKind::Ring => [", ring", "rim (held) diameter", "spaces", "between"],
+    };
+    let is_shaft = g.body.is_some_and(|body| body.is_shaft());
+    let profile = ToothProfile::new(g).ok();
+    let involute_start = profile.as_ref().and_then(|p| diameter(p.form_radius()));
+    let tip_land = profile.as_ref().and_then(|p| mm(p.tip_land()));
+    let is_undercut = profile.as_ref().is_some_and(|p| p.is_undercut());
+    // A quantity without a head stays out of the text.
+    let head_if = |is_shown: bool, head| if is_shown { head } else { "" };
+    let face = between([g.face_offset, g.face_offset + g.face_width]);
     let s = Measure::Thickness.of(g).unwrap_or(f64::NAN);
     let (k, ball) = (gauges.span_teeth, gauges.ball_diameter);
-    let [teeth, over] = match g.kind {
-        GearKind::External => ["teeth", "over"],
-        GearKind::Ring => ["spaces", "between"],
-    };
-    let hand = hand(g);
-    let span = Measure::Span(k).of(g).and_then(mm);
-    let balls = Measure::Balls(ball).of(g).and_then(mm);
-    let (lead, x) = (mm(lead(g)), g.profile_shift);
-    let (root, base) = (mm(2.0 * g.root_radius()), g.base_radius());
-    let generating = generating_profile_shift(g, s);
     let rolls = [
-        ToothProfile::new(g).ok().map(|profile| profile.form_roll()),
-        Some(mesh.active_start_roll(i, mesh.center_distance)),
+        profile.as_ref().map(|profile| profile.form_roll()),
+        Some(mesh.active_start_roll(i, c)),
         Some(g.tip_form_roll()),
     ];
     let length = rolls.map(|roll| roll.and_then(mm));
-    let angle = rolls.map(|roll| roll.map(|roll| (roll / base).to_degrees()));
-    let kappa = g.kappa();
+    let angle = rolls.map(|roll| roll.map(|roll| (roll / g.base_radius()).to_degrees()));
     columns! { |_: &()|
+        "", ["teeth", "", None] => format!("{}{ring}", g.teeth);
         "teeth" => g.teeth;
-        "hand", ["hand", "", None] => hand;
-        "lead_mm", ["lead", "mm", 4] => lead;
-        "profile_shift" => x;
-        "profile_shift_iso_21771", ["profile shift in the sign of ISO 21771", "", 4] => kappa * x;
-        "generating_profile_shift", ["generating profile shift, of the tooth thickness", "", 4] => generating;
+        "profile_shift", ["profile shift coefficient", "", 4] => g.profile_shift;
+        "", ["face", "", None] => format!("{face} in the frame of gear 1");
+        "tip_diameter_mm", ["tip diameter", "mm", 4] => diameter(g.tip_radius);
+        "", [head_if(g.tip_chamfer > 0.0, "tip form (chamfer) diameter"), "mm", 4] => diameter(g.tip_form_radius());
+        "", ["operating pitch diameter", "mm", 4] => diameter(mesh.operating_pitch_radius(i, c));
+        "", ["active profile start diameter", "mm", 4] => diameter(g.radius_at_roll(mesh.active_start_roll(i, c)));
+        "", ["involute start diameter", "mm", 4] => involute_start;
+        "", ["tip land", "mm", 4] => tip_land;
+        "", [head_if(is_undercut, "undercut"), "", None] => "yes";
+        "base_diameter_mm", ["base diameter", "mm", 4] => diameter(g.base_radius());
+        "root_diameter_mm", ["root diameter", "mm", 4] => diameter(g.root_radius());
+        "", [head_if(!is_shaft, held), "mm", 4] => diameter(g.held_radius);
+        "hand", ["hand", "", None] => hand(g);
+        "lead_mm", ["lead", "mm", 4] => mm(lead(g));
+        "profile_shift_iso_21771", ["profile shift in the sign of ISO 21771", "", 4] => g.kappa() * g.profile_shift;
+        "generating_profile_shift", ["generating profile shift, of the tooth thickness", "", 4] => generating_profile_shift(g, s);
         "normal_tooth_thickness_mm", ["normal tooth thickness s_n", "mm", 4] => mm(s);
         "span_teeth" => k;
-        "span_measurement_mm", [format!("span W_k over {k} {teeth}"), "mm", 4] => span;
+        "span_measurement_mm", [format!("span W_k over {k} {teeth}"), "mm", 4] => Measure::Span(k).of(g).and_then(mm);
         "ball_diameter_mm" => mm(ball);
-        "dimension_over_balls_mm", [format!("dimension M_dK {over} balls of {} mm", rounded(1e3 * ball)), "mm", 4] => balls;
-        "root_diameter_mm" => root;
-        "base_diameter_mm" => mm(2.0 * base);
-        "tip_diameter_mm" => mm(2.0 * g.tip_radius);
+        "dimension_over_balls_mm", [format!("dimension M_dK {over} balls of {} mm", rounded(1e3 * ball)), "mm", 4] => Measure::Balls(ball).of(g).and_then(mm);
         "involute_start_roll_length_mm", ["roll length at the involute's start", "mm", 4] => length[0];
         "involute_start_roll_angle_deg", ["roll angle there", "deg", 3] => angle[0];
         "active_start_roll_length_mm", ["roll length at the start of the active profile", "mm", 4] => length[1];
@@ -213,11 +187,10 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
     };
     let flank = |flank: Flank| {
         let m = &pair.microgeometry.flank(flank)[i];
-        let slope = |p: ProfileSlope| [p.amount, p.bias];
-        let [profile_slope, bias] = m.profile_slope.map_or([0.0; 2], slope);
+        let slope = m.profile_slope;
         let mut all = json!({
             "profile_crowning_um": 1e6 * m.profile_crowning.map_or(0.0, |c| c.amount),
-            "profile_slope_um": 1e6 * profile_slope, "bias_um": 1e6 * bias,
+            "profile_slope_um": 1e6 * slope.map_or(0.0, |p| p.amount), "bias_um": 1e6 * slope.map_or(0.0, |p| p.bias),
             "lead_crowning_um": 1e6 * m.lead_crowning, "lead_slope_um": 1e6 * m.lead_slope,
         });
         for (name, relief) in [("tip_relief", m.tip_relief), ("root_relief", m.root_relief)] {
@@ -225,8 +198,10 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
                 all[name] = json!({ "amount_um": 1e6 * r.amount, "start": forms(r.start_roll), "end": forms(r.end_roll) });
             }
         }
-        let [lower, upper] = m.end_relief;
-        for (name, relief) in [("lower_end_relief", lower), ("upper_end_relief", upper)] {
+        for (name, relief) in ["lower_end_relief", "upper_end_relief"]
+            .into_iter()
+            .zip(m.end_relief)
+        {
             if let Some(r) = relief {
                 all[name] = json!({ "amount_um": 1e6 * r.amount, "length_mm": 1e3 * r.length, "shape": r.shape });
             }
@@ -245,7 +220,7 @@ fn between([low, high]: [f64; 2]) -> String {
     format!("{width} mm wide, z {low} to {high} mm")
 }
 
-/// Rim, web, hub and foundation, where the body is no full disc held rigidly.
+/// Rim, web, hub and foundation, where the body is no full disc held rigidly, and the material.
 fn body(g: &Gear, rows: &mut Listing) {
     let z = |z| between(z) + " from the z = 0 face of the gear";
     if let Some(body) = g.body.filter(|body| body.is_shaft()) {
@@ -257,8 +232,10 @@ fn body(g: &Gear, rows: &mut Listing) {
         }
     } else if let Some(body) = g.body {
         let thickness = g.root_radius() - body.rim_radius;
-        let [mm, modules] =
-            [(1e-3, 3), (g.normal_module, 2)].map(|(unit, d)| fixed(thickness / unit, d));
+        let [mm, modules] = [
+            fixed(thickness / 1e-3, 3),
+            fixed(thickness / g.normal_module, 2),
+        ];
         rows! { rows;
             "rim" => "{mm} mm ({modules} normal modules) below the root circle, inner diameter {}", diameter(body.rim_radius);
             "web" => "{}", z(body.web);
@@ -270,6 +247,7 @@ fn body(g: &Gear, rows: &mut Listing) {
     if let Some(stiffness) = g.foundation {
         rows! { rows; "outside rests on" => "{} N/mm3 in every direction", rounded(stiffness * 1e-9); }
     }
+    rows! { rows; "material" => "E {:.1} GPa, Poisson ratio {}", g.youngs_modulus * 1e-9, g.poisson_ratio; }
 }
 
 fn operating(pair: &Pair) -> Listing {
@@ -285,4 +263,154 @@ fn operating(pair: &Pair) -> Listing {
         "friction" => "{}", pair.friction;
     }
     rows
+}
+
+/// Rows on what distinguishes the teeth of gear `i`.
+fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
+    for (name, flank) in [("drive flank", Flank::Drive), ("coast flank", Flank::Coast)] {
+        let errors = &pair.teeth.flank(flank)[i];
+        let ends = [f64::min, f64::max].map(|end| errors.index.iter().copied().reduce(end));
+        if let [Some(least), Some(largest)] = ends.map(|end| end.map(um)) {
+            rows! { rows; format!("{name}: index errors") => "{least} to {largest} um, > 0 towards the mate"; }
+        }
+        for own in &errors.flanks {
+            let words = topography(pair, i, &own.microgeometry).unwrap_or_default();
+            rows! { rows; format!("{name}: tooth {}", own.tooth) => "topography of its own, {words}"; }
+        }
+    }
+    let errors = &pair.teeth.drive[i];
+    if let Some(runout) = errors.runout {
+        let angle = fixed(runout.angle.to_degrees(), 1);
+        rows! { rows; "run-out" => "{} um, out most at {angle} deg from tooth 0", um(runout.amount); }
+    }
+    for weak in &errors.weak {
+        let name = format!("tooth {}: compliance", weak.tooth);
+        rows! { rows; name => "{} times that of the others", fixed(weak.factor, 3); }
+    }
+}
+
+pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
+    let gear = &pair.geometry.gears[i];
+    for (name, m) in flanks(pair, i) {
+        if *m == Microgeometry::default() {
+            match name {
+                BOTH => rows.row("modifications", "none"),
+                _ => rows.row(name, "unmodified"),
+            }
+        }
+        flank(name, gear, m, rows);
+    }
+    for (name, words) in topographies(pair, i) {
+        rows.row(name, words);
+    }
+}
+
+/// Flanks of gear `i` with a topography, and what is to be known of it.
+fn topographies(pair: &Pair, i: usize) -> Vec<(String, String)> {
+    let words = |(name, m)| Some((format!("{name}: topography"), topography(pair, i, m)?));
+    flanks(pair, i).into_iter().filter_map(words).collect()
+}
+
+const BOTH: &str = "both flanks";
+
+/// Both flanks of gear `i` as one where they are alike, with their names.
+fn flanks(pair: &Pair, i: usize) -> Vec<(&'static str, &Microgeometry)> {
+    let of = |flank| &pair.microgeometry.flank(flank)[i];
+    let (drive, coast) = (of(Flank::Drive), of(Flank::Coast));
+    match drive == coast {
+        true => vec![(BOTH, drive)],
+        false => vec![("drive flank", drive), ("coast flank", coast)],
+    }
+}
+
+/// Grid and removal of the topography of a flank of gear `i`.
+fn topography(pair: &Pair, i: usize, m: &Microgeometry) -> Option<String> {
+    let (grid, g) = (m.topography.as_ref()?, &pair.geometry);
+    let gear = &g.gears[i];
+    let [rolls, zs] = grid.range();
+    let [along, across] = grid.size();
+    let tip = gear.tip_form_roll();
+    let start = g.active_start_roll(i, g.center_distance);
+    let active = [start.min(tip), start.max(tip)];
+    let [least, largest] = grid.extremes(active, [0.0, gear.face_width]);
+    let um = |removal: f64| fixed(removal * 1e6, 2);
+    let [from, to] = rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
+    Some(format!(
+        "removal {} to {} um on the active flank, {} um at the tip at mid-face; {along} x {across} points, diameters {from} \
+         to {to} mm, z {} to {} mm, bicubic",
+        um(least[2]),
+        um(largest[2]),
+        um(grid.removal(tip, 0.5 * gear.face_width)),
+        fixed(1e3 * zs[0], 3),
+        fixed(1e3 * zs[1], 3)
+    ))
+}
+
+fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
+    let diameters = |rolls: [f64; 2]| rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
+    let named = |what: &str| format!("{name}: {what}");
+    for (what, relief) in [("tip relief", m.tip_relief), ("root relief", m.root_relief)] {
+        let Some(r) = relief else { continue };
+        let rolls = [r.start_roll, r.end_roll];
+        let [d1, d2] = diameters(rolls);
+        let [l1, l2] = rolls.map(|roll| fixed(1e3 * roll, 4));
+        let [a1, a2] = rolls.map(|roll| fixed((roll / gear.base_radius()).to_degrees(), 3));
+        rows! { rows;
+            named(what) => "{} um, {} from diameter {d1} to {d2} mm, roll length {l1} to {l2} mm, roll angle {a1} to {a2} deg", um(r.amount), shape(r.shape);
+        }
+    }
+    if let Some(c) = m.profile_crowning {
+        let ([from, to], amount) = (diameters(c.rolls), um(c.amount));
+        let words =
+            format!("{amount} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll");
+        rows.row(named("profile crowning"), words);
+    }
+    if let Some(p) = m.profile_slope.filter(|p| p.amount != 0.0) {
+        let ([from, to], c_ha) = (diameters(p.rolls), um(-p.amount));
+        rows! { rows;
+            named("profile slope") => "{} um more at diameter {to} than at {from} mm (C_Ha {c_ha} um), linear, 0 at mid-roll", um(p.amount);
+        }
+    }
+    let bias = m.profile_slope.map_or(0.0, |p| p.bias);
+    for (what, amount, how) in [
+        (
+            "bias",
+            bias,
+            "more profile slope at the large-z end than at z = 0, 0 at mid-face",
+        ),
+        (
+            "lead crowning",
+            m.lead_crowning,
+            "at both ends of the face, parabolic, 0 at mid-face",
+        ),
+        (
+            "lead slope",
+            m.lead_slope,
+            "more at the large-z end than at z = 0, linear, 0 at mid-face",
+        ),
+    ] {
+        if amount != 0.0 {
+            rows.row(named(what), format!("{} um {how}", um(amount)));
+        }
+    }
+    let ends = match m.end_relief {
+        [low, high] if low == high => vec![("end relief, both ends", low)],
+        [low, high] => vec![
+            ("end relief at z = 0", low),
+            ("end relief at the large-z end", high),
+        ],
+    };
+    for (what, relief) in ends {
+        let Some(r) = relief else { continue };
+        let (shape, mm) = (shape(r.shape), fixed(1e3 * r.length, 3));
+        rows! { rows; named(what) => "{} um, {shape} over the last {mm} mm", um(r.amount); }
+    }
+}
+
+fn um(amount: f64) -> String {
+    fixed(amount * 1e6, 1)
+}
+
+fn shape(shape: ReliefShape) -> String {
+    format!("{shape:?}").to_lowercase()
 }

@@ -1,5 +1,6 @@
 //! Cylindrical stages of REXS files, the exchange format of gearbox data (rexs.info, versions 1.4 and later), as pair files.
 
+use std::cell::Cell;
 use std::path::Path;
 
 use gearmesh::words::rounded;
@@ -7,7 +8,7 @@ use gearmesh_preprocessor::pair::{self, PairError};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
-use crate::Error;
+use crate::{Result, output};
 
 /// Fields of a gear, the components that may have them, and the attributes that give them, the first one first. The
 /// addendum of a tool cuts the dedendum of the gear.
@@ -35,9 +36,11 @@ const DEFAULTS: [(&str, &str); 3] = [
     ("youngs_modulus_gpa", "206"),
 ];
 
-/// Fields that are left out where the pair does not fit them.
-const OPTIONAL: &str = "tip_form_diameter_mm root_diameter_mm span_measurement_mm dimension_over_balls_mm \
-                        normal_tooth_thickness_mm bore_diameter_mm";
+/// Fields that are left out where the pair does not fit them, measures with their gauges.
+const OPTIONAL: &str = "tip_form_diameter_mm root_diameter_mm span_measurement_mm,span_teeth \
+                        dimension_over_balls_mm,ball_diameter_mm normal_tooth_thickness_mm bore_diameter_mm";
+
+type Fields = Map<String, Value>;
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
@@ -47,6 +50,9 @@ struct Attribute {
     #[serde(deserialize_with = "word", alias = "floating_point")]
     #[serde(alias = "integer", alias = "enum", alias = "string", alias = "boolean")]
     value: String,
+    /// Whether the pair file has it.
+    #[serde(skip)]
+    is_taken: Cell<bool>,
 }
 
 #[derive(Default, Deserialize)]
@@ -100,29 +106,31 @@ pub struct Taken {
 }
 
 /// The cylindrical stage `stage` (the only one, where none is named) of the file `path`, at `torque` N m on gear 1.
-pub fn pair_file(path: &Path, stage: Option<u64>, torque: Option<f64>) -> Result<Taken, Error> {
-    let text = crate::output::read_text(path)?;
+pub fn pair_file(path: &Path, stage: Option<u64>, torque: Option<f64>) -> Result<Taken> {
+    let text = output::read_text(path)?;
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let name = path.file_stem().unwrap_or("rexs".as_ref());
-    let taken = || -> Result<Taken, Error> {
+    let taken = || -> Result<Taken> {
         let model = &match text.starts_with('{') {
             true => Model::of_json(text),
             false => Model::of_xml(text),
         }?;
         let (stage, gears) = model.stage(stage)?;
-        let (notes, used) = (Vec::new(), Vec::new());
-        let draft = Draft { model, notes, used };
-        draft.fill(stage, gears, torque, &name.to_string_lossy())
+        let draft = Draft {
+            model,
+            gears,
+            notes: Vec::new(),
+        };
+        draft.fill(stage, torque, &name.to_string_lossy())
     };
     taken().map_err(|error| format!("{}: {error}", path.display()).into())
 }
 
 /// An element of XML in the JSON form: its attributes, its text as `value`, and its children in lists, down to `depth` levels.
-fn element(node: roxmltree::Node, depth: usize) -> Map<String, Value> {
+fn element(node: roxmltree::Node, depth: usize) -> Fields {
     let attributes = node.attributes();
-    let mut fields: Map<_, _> = attributes
-        .map(|a| (a.name().to_owned(), a.value().into()))
-        .collect();
+    let attributes = attributes.map(|a| (a.name().to_owned(), a.value().into()));
+    let mut fields: Map<_, _> = attributes.collect();
     fields.insert(
         "value".into(),
         node.text().unwrap_or_default().trim().into(),
@@ -154,23 +162,23 @@ impl Relation {
 }
 
 impl Model {
-    fn of_json(text: &str) -> Result<Model, Error> {
+    fn of_json(text: &str) -> Result<Model> {
         let wrong = |error| format!("no REXS file: {error}");
         let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
         if !file["model"].is_object() {
-            return Err("it has no `model`, as REXS files in JSON have".into());
+            refuse!("it has no `model`, as REXS files in JSON have");
         }
         Ok(serde_json::from_value(file["model"].take()).map_err(wrong)?)
     }
 
-    fn of_xml(text: &str) -> Result<Model, Error> {
-        let document = roxmltree::Document::parse(text).map_err(|e| {
-            format!("no REXS file: {e}; give the .rexs (XML) or .rexsj (JSON) file")
-        })?;
+    fn of_xml(text: &str) -> Result<Model> {
+        let remedy = "give the .rexs (XML) or .rexsj (JSON) file";
+        let document = roxmltree::Document::parse(text);
+        let document = document.map_err(|e| format!("no REXS file: {e}; {remedy}"))?;
         let root = document.root_element();
         let tag = root.tag_name().name();
         if tag != "model" {
-            return Err(format!("its root is <{tag}>, that of a REXS file is <model>").into());
+            refuse!("its root is <{tag}>, that of a REXS file is <model>");
         }
         let mut model = element(root, 0);
         // Load spectra and accumulations list components again, with results.
@@ -178,8 +186,7 @@ impl Model {
             let parts = root.children().filter(|c| c.has_tag_name(part));
             model.extend(parts.flat_map(|part| element(part, 2)));
         }
-        Ok(serde_json::from_value(model.into())
-            .map_err(|error| format!("no REXS file: {error}"))?)
+        Ok(serde_json::from_value(model.into()).map_err(|e| format!("no REXS file: {e}"))?)
     }
 
     fn component(&self, id: &str) -> Option<&Component> {
@@ -200,7 +207,7 @@ impl Model {
     }
 
     /// The stage `id`, the only one where none is named, and its gears.
-    fn stage(&self, id: Option<u64>) -> Result<(&Component, [&Component; 2]), Error> {
+    fn stage(&self, id: Option<u64>) -> Result<(&Component, [&Component; 2])> {
         let all = self.components.iter();
         let stages: Vec<_> = all.filter(|c| c.kind == "cylindrical_stage").collect();
         let listed = stages.iter().map(|s| format!("{} ({})", s.id, s.name));
@@ -243,21 +250,27 @@ fn um(mm: f64) -> f64 {
     rounded(1e3 * mm)
 }
 
-/// The account of where the fields of a pair file come from.
+/// A pair file in the making, with the account of where its fields come from.
 struct Draft<'a> {
     model: &'a Model,
-    /// Each after one of [`HEADS`].
+    gears: [&'a Component; 2],
+    /// Each once, after one of [`HEADS`].
     notes: Vec<(&'static str, String)>,
-    used: Vec<(String, String)>,
 }
 
 const HEADS: [&str; 3] = ["taken", "assumed", "left"];
 
-impl<'a> Draft<'a> {
-    fn note(&mut self, head: &'static str, line: impl Into<String>) {
-        self.notes.push((head, line.into()));
-    }
+/// Adds a line to the account, once if both flanks have it.
+macro_rules! note {
+    ($draft:ident, $head:literal: $($words:tt)*) => {{
+        let note = ($head, format!($($words)*));
+        if !$draft.notes.contains(&note) {
+            $draft.notes.push(note);
+        }
+    }};
+}
 
+impl<'a> Draft<'a> {
     /// The first of the attributes `names` that one of `components` has, a number in mm, degrees, GPa or none; it is noted
     /// as taken unless `field` is empty.
     fn number(
@@ -265,14 +278,12 @@ impl<'a> Draft<'a> {
         field: &str,
         components: &[&Component],
         names: &[&str],
-    ) -> Result<Option<f64>, Error> {
-        let given = |name| {
-            let all = components.iter().map(|c| (c, c.attribute(name)));
-            all.filter_map(|(c, a)| Some((c, a.filter(|a| !a.value.is_empty())?)))
-                .next()
-        };
-        let Some((Component { id, kind, .. }, a)) = names.iter().find_map(|name| given(name))
-        else {
+    ) -> Result<Option<f64>> {
+        let all = names.iter().flat_map(|name| {
+            let given = components.iter().map(|c| (c, c.attribute(name)));
+            given.filter_map(|(c, a)| Some((c, a.filter(|a| !a.value.is_empty())?)))
+        });
+        let Some((Component { id, kind, .. }, a)) = all.into_iter().next() else {
             return Ok(None);
         };
         let (name, unit, value) = (&a.id, &a.unit, &a.value);
@@ -284,26 +295,20 @@ impl<'a> Draft<'a> {
             refuse!("{attribute} = {value}: no number");
         };
         if !field.is_empty() {
-            self.note("taken", format!("{field} from {name} of {kind} {id}"));
+            note!(self, "taken": "{field} from {name} of {kind} {id}");
         }
-        self.used.push((id.clone(), name.clone()));
+        a.is_taken.set(true);
         Ok(Some(rounded(number * scale)))
     }
 
-    fn required(&mut self, field: &str, of: &[&Component], name: &str) -> Result<f64, Error> {
+    fn required(&mut self, field: &str, of: &[&Component], name: &str) -> Result<f64> {
         let ids: Vec<&str> = of.iter().map(|c| &*c.id).collect();
         let missing = format!("none of the components {} has `{name}`", ids.join(", "));
         Ok(self.number(field, of, &[name])?.ok_or(missing)?)
     }
 
-    fn fill(
-        mut self,
-        stage: &'a Component,
-        gears: [&'a Component; 2],
-        torque: Option<f64>,
-        name: &str,
-    ) -> Result<Taken, Error> {
-        let model = self.model;
+    fn fill(mut self, stage: &'a Component, torque: Option<f64>, name: &str) -> Result<Taken> {
+        let (model, gears) = (self.model, self.gears);
         let is_flank = |kind: &str| ["cylindrical_gear_flank", "flank_geometry"].contains(&kind);
         let flanks = gears.map(|g| model.related(&g.id, is_flank));
         let mut parts = vec![stage, gears[0], gears[1]];
@@ -311,32 +316,22 @@ impl<'a> Draft<'a> {
         let module = self.required("normal_module_mm", &parts, "normal_module")?;
         let angle = "normal_pressure_angle";
         let alpha = self.required("normal_pressure_angle_deg", &parts, angle)?;
-        let (field, attribute) = (
-            "helix_angle_deg (> 0: right-handed)",
-            "helix_angle_reference_diameter",
-        );
-        let helix = self.number(field, &gears[..1], &[attribute])?;
+        let angle = "helix_angle_reference_diameter";
+        let helix = self.number("helix_angle_deg (> 0: right-handed)", &gears[..1], &[angle])?;
         let distance = self.number("center_distance_mm", &[stage], &["center_distance"])?;
-        let [gear1, gear2] = [0, 1].map(|i| {
-            let name = ["gear1", "gear2"][i];
-            self.gear(name, gears[i], &flanks[i], [module, alpha])
-        });
-        let (gear1, gear2) = (gear1?, gear2?);
-        let width = |gear: &Map<String, Value>| gear.get("face_width_mm")?.as_f64();
+        let gear1 = self.gear(0, &flanks[0], [module, alpha])?;
+        let gear2 = self.gear(1, &flanks[1], [module, alpha])?;
+        let width = |gear: &Fields| gear.get("face_width_mm")?.as_f64();
         let [b1, b2] = [&gear1, &gear2].map(|gear| width(gear).unwrap_or(0.0));
         let z1 = gear1["teeth"].as_f64().unwrap_or(0.0);
         // A hundred newtons for each mm of face and of module.
         let usual = rounded((0.05 * b1.min(b2) * module * module * z1).ceil());
         if torque.is_none() {
-            self.note("assumed", format!("operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm"));
+            note!(self, "assumed": "operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm");
         }
         let nominal = torque.unwrap_or(usual);
-        for line in [
-            "operating: torques up to 1.5 times the nominal one, ranges of centre distance and misalignment",
-            "face_offset_mm: both faces share their middle",
-        ] {
-            self.note("assumed", line);
-        }
+        note!(self, "assumed": "operating: torques up to 1.5 times the nominal one, ranges of centre distance and misalignment");
+        note!(self, "assumed": "face_offset_mm: both faces share their middle");
         let is_internal = gears.iter().any(|g| g.kind == "ring_gear");
         let mut file = json!({
             "name": name,
@@ -361,23 +356,17 @@ impl<'a> Draft<'a> {
             parts.extend(model.related(&gear.id, |kind| kind == "material"));
         }
         for c in parts {
-            let is_left = |name: &&str| !self.used.iter().any(|(id, n)| *id == c.id && n == name);
-            let names = c.attributes.iter().map(|a| &*a.id).filter(is_left);
-            let names = names.collect::<Vec<_>>().join(", ");
-            if !names.is_empty() {
-                self.note("left", format!("{} {}: {names}", c.kind, c.id));
+            let left = c.attributes.iter().filter(|a| !a.is_taken.get());
+            let left = left.map(|a| &*a.id).collect::<Vec<_>>().join(", ");
+            if !left.is_empty() {
+                note!(self, "left": "{} {}: {left}", c.kind, c.id);
             }
         }
-        let mut lines: Vec<String> = Vec::new();
-        for head in HEADS {
-            let own = self.notes.iter().filter(|note| note.0 == head);
-            for line in own.map(|(head, line)| format!("{head}: {line}\n")) {
-                // Both flanks name the same.
-                if !lines.contains(&line) {
-                    lines.push(line);
-                }
-            }
-        }
+        let of_head = |head| self.notes.iter().filter(move |note| note.0 == head);
+        let lines = HEADS.into_iter().flat_map(of_head);
+        let lines: Vec<String> = lines
+            .map(|(head, line)| format!("{head}: {line}\n"))
+            .collect();
         let comments: String = lines.iter().map(|line| format!("// {line}")).collect();
         Ok(Taken {
             text: format!("{comments}{file:#}\n"),
@@ -385,19 +374,13 @@ impl<'a> Draft<'a> {
         })
     }
 
-    fn gear(
-        &mut self,
-        name: &str,
-        gear: &'a Component,
-        flanks: &[&'a Component],
-        [module, alpha]: [f64; 2],
-    ) -> Result<Map<String, Value>, Error> {
+    /// Fields of gear `i` with these `flanks`, of the normal module (mm) and pressure angle (degrees) of the pair.
+    fn gear(&mut self, i: usize, flanks: &[&'a Component], pair: [f64; 2]) -> Result<Fields> {
+        let (model, gear, name) = (self.model, self.gears[i], ["gear1", "gear2"][i]);
         let both: Vec<&Component> = [gear].into_iter().chain(flanks.iter().copied()).collect();
-        let model = self.model;
         let near = |kind: &str| -> Vec<&Component> {
-            let all = both.iter();
-            all.flat_map(|c| model.related(&c.id, |k| k == kind))
-                .collect()
+            let near = both.iter().map(|c| model.related(&c.id, |k| k == kind));
+            near.flatten().collect()
         };
         let mut fields = Map::new();
         let teeth = self.required(&format!("{name}.teeth"), &both, "number_of_teeth")?;
@@ -438,50 +421,43 @@ impl<'a> Draft<'a> {
         let settings = near("cylindrical_gear_manufacturing_settings");
         let attribute = "generated_addendum_modification_coefficient";
         match (measured, self.number("", &settings, &[attribute])?) {
-            (Some(measured), _) => self.note("taken", measured),
+            (Some(measured), _) => note!(self, "taken": "{measured}"),
             (None, Some(x)) => {
-                let s = module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * alpha.to_radians().tan());
+                let [module, alpha] = [pair[0], pair[1].to_radians()];
+                let s = module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * alpha.tan());
                 let field = "normal_tooth_thickness_mm";
                 fields.insert(field.into(), json!(rounded(s)));
-                self.note("taken", format!("{name}.{field} from {attribute}"));
+                note!(self, "taken": "{name}.{field} from {attribute}");
             }
-            (None, None) => self.note(
-                "assumed",
-                format!(
-                    "{name}: teeth of the thickness that profile shift and centre distance leave"
-                ),
-            ),
+            (None, None) => {
+                note!(self, "assumed": "{name}: teeth of the thickness that profile shift and centre distance leave")
+            }
         }
         for (field, default) in DEFAULTS {
             let has = |field| fields.contains_key(field);
             let follows = field == "dedendum_coefficient" && has("root_diameter_mm");
             if !has(field) && !follows {
-                self.note("assumed", format!("{name}.{field} = {default}"));
+                note!(self, "assumed": "{name}.{field} = {default}");
             }
         }
-        let [left, right] = ["left", "right"].map(|side| self.flank(name, gear, side));
-        let (left, right) = (left?, right?);
+        let left = self.flank(i, "left")?;
+        let right = self.flank(i, "right")?;
         if left == right {
             fields.extend(left);
         } else {
-            self.note("assumed", format!("{name}: the left flank is the drive flank; turn the two if the stage is driven the other way"));
+            note!(self, "assumed": "{name}: the left flank is the drive flank; turn the two if the stage is driven the other way");
             fields.insert("drive_flank".into(), left.into());
             fields.insert("coast_flank".into(), right.into());
         }
         Ok(fields)
     }
 
-    /// Modifications of the flank of `gear` on this `side` in fields of the pair file.
-    fn flank(
-        &mut self,
-        name: &str,
-        gear: &Component,
-        side: &str,
-    ) -> Result<Map<String, Value>, Error> {
-        let model = self.model;
+    /// Modifications of the flank of gear `i` on this `side` in fields of the pair file.
+    fn flank(&mut self, i: usize, side: &str) -> Result<Fields> {
+        let (model, gear, name) = (self.model, self.gears[i], ["gear1", "gear2"][i]);
         let mut fields = Map::new();
-        let of_flank = |r: &&Relation| r.kind == "flank" && r.names(&gear.id);
-        let mut flanks = model.relations.iter().filter(of_flank);
+        let of_gear = |r: &&Relation| r.kind == "flank" && r.names(&gear.id);
+        let mut flanks = model.relations.iter().filter(of_gear);
         let Some(flank) = flanks.find_map(|r| model.component(r.role(side)?)) else {
             return Ok(fields);
         };
@@ -491,24 +467,19 @@ impl<'a> Draft<'a> {
             let words = ["relief", "modification", "deviation", "profile_twist"];
             if let Some((field, value)) = self.modification(&format!("{name}.{kind}"), c)? {
                 fields.insert(field.into(), value);
-                self.note("taken", format!("{name}.{field} from {kind} {id}"));
+                note!(self, "taken": "{name}.{field} from {kind} {id}");
             } else if ["profile_slope", "helix_slope"].contains(&&**kind) {
                 // Its sign depends on which face and flank it counts from.
-                let line = format!("{left}: enter it with the sign of docs/pair-file.md");
-                self.note("left", line);
+                note!(self, "left": "{left}: enter it with the sign of docs/pair-file.md");
             } else if words.iter().any(|word| kind.contains(word)) {
-                self.note("left", left);
+                note!(self, "left": "{left}");
             }
         }
         Ok(fields)
     }
 
     /// Field and value of the modification `c`; none of another kind, and where its amount is not given.
-    fn modification(
-        &mut self,
-        path: &str,
-        c: &'a Component,
-    ) -> Result<Option<(&'a str, Value)>, Error> {
+    fn modification(&mut self, path: &str, c: &'a Component) -> Result<Option<(&'a str, Value)>> {
         let kind = &*c.kind;
         let mut mm = |name: &str| self.number("", &[c], &[name]);
         let (field, depth, mut value, assumed) = match kind {
@@ -523,8 +494,7 @@ impl<'a> Draft<'a> {
                 let [a, b] = ends.map(|end| mm(&format!("{kind}_{end}")));
                 let [a, b] = [a?, b?].map(|mm| um(mm.unwrap_or(0.0)));
                 if a != b {
-                    let line = format!("{path}: the mean of {a} and {b} um at its two ends");
-                    self.note("assumed", line);
+                    note!(self, "assumed": "{path}: the mean of {a} and {b} um at its two ends");
                 }
                 return Ok(Some((field, json!(rounded(0.5 * (a + b))))));
             }
@@ -553,11 +523,9 @@ impl<'a> Draft<'a> {
             }
             _ => return Ok(None),
         };
-        let Some(depth) = depth else {
-            return Ok(None);
-        };
+        let Some(depth) = depth else { return Ok(None) };
         if let Some(assumed) = assumed {
-            self.note("assumed", format!("{path}: {assumed}"));
+            note!(self, "assumed": "{path}: {assumed}");
         }
         let shape = c.attribute("shape_of_relief").map(|a| &*a.value);
         value["amount_um"] = json!(um(depth));
@@ -565,8 +533,7 @@ impl<'a> Draft<'a> {
             shape @ ("linear" | "parabolic") => shape,
             "circular" => "arc",
             other => {
-                let line = format!("{path}.shape = linear ({other} in the file)");
-                self.note("assumed", line);
+                note!(self, "assumed": "{path}.shape = linear ({other} in the file)");
                 "linear"
             }
         }
@@ -575,7 +542,7 @@ impl<'a> Draft<'a> {
     }
 
     /// The file without those of the optional fields that the pair does not fit, each with its reason.
-    fn consistent(&mut self, mut file: Value) -> Result<Value, Error> {
+    fn consistent(&mut self, mut file: Value) -> Result<Value> {
         loop {
             let refusal = match pair::from_json(&file.to_string()) {
                 Ok(_) => return Ok(file),
@@ -584,23 +551,16 @@ impl<'a> Draft<'a> {
             };
             let field = &refusal.field;
             let (gear, name) = field.split_once('.').unwrap_or(("", field));
-            let is_optional = OPTIONAL.split(' ').any(|field| field == name);
+            let mut optional = OPTIONAL.split(' ').map(|fields| fields.split(','));
+            let own = optional.find(|own| own.clone().next() == Some(name));
             let fields = file.get_mut(gear).and_then(Value::as_object_mut);
-            let fields = fields.filter(|_| is_optional);
-            if fields.and_then(|fields| fields.remove(name)).is_none() {
+            let (Some(own), Some(fields)) = (own, fields.filter(|f| f.contains_key(name))) else {
                 return Err(refusal.into());
-            }
-            file[gear].as_object_mut().map(|fields| {
-                fields.remove(match name {
-                    "span_measurement_mm" => "span_teeth",
-                    "dimension_over_balls_mm" => "ball_diameter_mm",
-                    _ => "",
-                })
-            });
-            self.notes
-                .retain(|(head, line)| *head != "taken" || !line.starts_with(field));
-            let problem = format!("{field} = {}: {}", refusal.value, refusal.problem);
-            self.note("left", problem);
+            };
+            fields.retain(|name, _| !own.clone().any(|own| own == name));
+            let is_gone = |note: &(&str, String)| note.0 == "taken" && note.1.starts_with(field);
+            self.notes.retain(|note| !is_gone(note));
+            note!(self, "left": "{field} = {}: {}", refusal.value, refusal.problem);
         }
     }
 }

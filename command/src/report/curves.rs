@@ -4,10 +4,9 @@ use gearmesh::contact::{ContactResult, ContactSolver};
 use gearmesh::friction::{Loss, ohlendorf};
 use gearmesh::pair::Pair;
 
-use super::figure::{Curve, Figure, Height, Map, charts};
-use super::page::Section;
-use super::variant::{Loads, Variant};
-use crate::Error;
+use super::page::{Curve, Height, Map, Section, charts};
+use super::{Loads, Variant};
+use crate::Result;
 use crate::case::{Case, torque_in_words};
 
 /// Positions over a mesh cycle of the survey: enough for five harmonics and within a few per cent of the peak-to-peak value.
@@ -19,6 +18,8 @@ const LEAST_ERROR: f64 = 1e-3;
 const LEAST_WAY: f64 = 0.1;
 
 const TORQUE: &str = "torque on gear 1 (N m)";
+const MISALIGNMENT: &str = "misalignment (mrad)";
+const SPEED: &str = "speed of gear 1 (rpm)";
 const POSITION: &str = "mesh position";
 
 /// A quantity over the mesh cycle, a curve for every load; the first point is repeated at 1.
@@ -101,7 +102,7 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
     curves
 }
 
-pub fn torque(variant: &Variant, loads: &Loads) -> Result<Section, Error> {
+pub fn torque(variant: &Variant, loads: &Loads) -> Result<Section> {
     let cases = variant.cases(&loads.survey, &[0.0], POSITIONS)?;
     let figures = charts! {
         "Orders of the STE over torque", [TORQUE, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
@@ -116,52 +117,45 @@ pub fn torque(variant: &Variant, loads: &Loads) -> Result<Section, Error> {
     Ok(Section::new("Over torque", note, figures))
 }
 
-pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section, Error> {
+pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section> {
     let mrad: Vec<f64> = loads.tilts.iter().map(|m| 1e3 * m).collect();
     let tilted = variant.cases(&[loads.nominal], &loads.tilts, POSITIONS)?;
     let all = variant.cases(&loads.survey, &loads.tilts, POSITIONS)?;
-    let mut figures = charts! {
-        "Orders of the STE over misalignment", ["misalignment (mrad)", "amplitude (um)"], Height::FromZero(LEAST_ERROR)
+    let swings = all.iter().map(|case| 1e6 * case.cycle.peak_to_peak_ste());
+    let figures = charts! {
+        "Orders of the STE over misalignment", [MISALIGNMENT, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
             => amplitudes(variant, &mrad, &tilted, false);
+        "Peak-to-peak STE over misalignment and torque", [MISALIGNMENT, TORQUE, "p-p STE (um)"]
+            => Map::on_nodes([&mrad, &loads.survey], swings, LEAST_ERROR);
     };
-    let title = "Peak-to-peak STE over misalignment and torque";
-    let labels = ["misalignment (mrad)", TORQUE, "p-p STE (um)"];
-    let values = all.iter().map(|case| 1e6 * case.cycle.peak_to_peak_ste());
-    let map = Map::on_nodes([&mrad, &loads.survey], values, LEAST_ERROR);
-    figures.push(Figure::map(title, labels, map));
     let torque = torque_in_words(loads.nominal);
     let note = format!("Misalignment in the plane of action. The orders are those at {torque}.");
     Ok(Section::new("Over misalignment", note, figures))
 }
 
-pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads) -> Result<Section, Error> {
+pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads) -> Result<Section> {
     let cases = Variant::Pair(solver, None).cases(&loads.survey, &[0.0], POSITIONS)?;
-    let map = |title: &str, unit: &str, value: fn(&Loss) -> f64| {
+    let map = |value: fn(&Loss) -> f64| {
         let at_torque = |case: &Case| -> Vec<f64> {
             let speeds = loads.speeds.iter();
             speeds.map(|rpm| value(&case.loss(pair, *rpm))).collect()
         };
         let values = cases.iter().flat_map(at_torque);
-        let map = Map::on_nodes([&loads.speeds, &loads.survey], values, 0.0);
-        Figure::map(title, ["speed of gear 1 (rpm)", TORQUE, unit], map)
+        Map::on_nodes([&loads.speeds, &loads.survey], values, 0.0)
     };
     let over_torque = |label, value: &dyn Fn(&Case) -> f64| {
         let points = cases.iter().map(|case| (case.input.torque, value(case)));
         Curve::new(label, points)
     };
     let even = ohlendorf(&pair.geometry, pair.geometry.center_distance);
-    let mut figures = vec![
-        map("Power lost", "W", |loss| loss.power),
-        map("Power lost over that transmitted", "%", |loss| {
-            100.0 * (1.0 - loss.efficiency)
-        }),
-    ];
-    figures.extend(charts! {
+    let figures = charts! {
+        "Power lost", [SPEED, TORQUE, "W"] => map(|loss| loss.power);
+        "Power lost over that transmitted", [SPEED, TORQUE, "%"] => map(|loss| 100.0 * (1.0 - loss.efficiency));
         "Loss factor", [TORQUE, "loss factor"], Height::FromZero(0.0) => vec![
             over_torque("by the load share", &|case| case.loss_factor(solver)),
             over_torque("Ohlendorf", &|_| even),
         ];
-    });
+    };
     let note = "Friction between the teeth alone, with the law of the coefficient that the pair file chooses, the mean over the mesh \
                 cycle; aligned. The loss factor is the share of the power that is lost at a coefficient of 1: by the share of the load \
                 as it is, and with load shared evenly (Ohlendorf).";

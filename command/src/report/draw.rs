@@ -6,8 +6,8 @@ use gearmesh::words::fixed;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::figure::{Curve, Height, Map, Style};
-use crate::Error;
+use super::page::{Curve, Height, Map, Style};
+use crate::Result;
 
 const SIZE: (u32, u32) = (1400, 800);
 /// Of the width, for the legend and for the scale next to the plot.
@@ -46,7 +46,7 @@ fn digits(axis: &Range<f64>) -> usize {
 }
 
 /// Draws axes named `labels` with about `count` numbers each, and a grid of this opacity.
-fn axes(chart: &mut Chart, labels: [&str; 2], count: usize, grid: f64) -> Result<(), Error> {
+fn axes(chart: &mut Chart, labels: [&str; 2], count: usize, grid: f64) -> Result<()> {
     let [x_digits, y_digits] = [digits(&chart.x_range()), digits(&chart.y_range())];
     chart
         .configure_mesh()
@@ -84,7 +84,7 @@ fn range(values: impl Iterator<Item = f64>, least: f64) -> Range<f64> {
     start - margin..end + margin
 }
 
-pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String, Error> {
+pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> {
     let points = || curves.iter().flat_map(|c| &c.points);
     let lower = curves.iter().filter_map(|curve| match &curve.style {
         Style::Band(low) => Some(low),
@@ -111,7 +111,7 @@ pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<Stri
             .build_cartesian_2d(ends(points().map(|p| p.0)), y)?;
         axes(&mut chart, [&labels[0], &labels[1]], 8, 0.12)?;
         let mut next = 40;
-        let mut entry = |style: &Style, line: ShapeStyle, label: &str| -> Result<(), Error> {
+        let mut entry = |style: &Style, line: ShapeStyle, label: &str| -> Result<()> {
             let (marks, half): (&[_], _) = match style {
                 Style::Solid => (&[[4, 48]], 0),
                 Style::Dashed(_) => (&[[4, 18], [30, 48]], 0),
@@ -181,7 +181,7 @@ fn shade(fraction: f64) -> RGBColor {
 }
 
 /// Higher values over lower ones.
-pub fn map(labels: &[String], map: &Map) -> Result<String, Error> {
+pub fn map(labels: &[String], map: &Map) -> Result<String> {
     let order = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
     let mut patches: Vec<_> = map.patches.iter().collect();
     patches.sort_by(|a, b| order(a.value).total_cmp(&order(b.value)));
@@ -226,7 +226,7 @@ pub fn map(labels: &[String], map: &Map) -> Result<String, Error> {
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-fn drawn(draw: impl FnOnce(&Area) -> Result<(), Error>) -> Result<String, Error> {
+fn drawn(draw: impl FnOnce(&Area) -> Result<()>) -> Result<String> {
     let mut svg = String::new();
     let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
     area.fill(&WHITE)?;

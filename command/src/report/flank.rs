@@ -4,12 +4,10 @@
 use gearmesh::contact::SegmentLoad;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::contact::GearRoots;
 
 use super::curves::through_mesh;
 use super::evenly;
-use super::figure::{Curve, Figure, Height, Map, Patch, charts};
-use super::page::Section;
+use super::page::{Curve, Figure, Height, Map, Patch, Section, charts};
 use crate::case::{Case, torque_in_words};
 
 /// Pressures below this are left white, MPa.
@@ -17,67 +15,41 @@ const VISIBLE: f64 = 1.0;
 const LINE_POSITIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 const TRACE_POINTS: usize = 201;
 
-/// Every loaded segment of the mesh cycle as a patch of gear `i`'s flank, as high as the contact moves from one position to the
-/// next; `value` is None at a tip edge.
-fn pattern(
-    geometry: &PairGeometry,
-    case: &Case,
-    i: usize,
-    value: impl Fn(&SegmentLoad) -> Option<f64>,
-) -> Map {
-    let gear = &geometry.gears[i];
-    let half_step = 0.5 * geometry.base_pitch() / case.input.positions as f64;
-    let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
-    let segments = case
-        .cycle
-        .results
-        .iter()
-        .flat_map(|result| &result.segments);
-    let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
-    let patch = |s: &SegmentLoad| {
-        let along_face = s.z.map(|z| 1e3 * z);
-        let along_profile = [-half_step, half_step].map(|step| diameter(s.roll[i] + step));
-        let ends = [along_face, along_profile];
-        Patch {
-            node: ends.map(|[a, b]| 0.5 * (a + b)),
-            ends,
-            value: value(s),
-        }
-    };
-    let patches: Vec<Patch> = seen.map(patch).collect();
-    let path = geometry.path_of_contact(geometry.center_distance);
-    let mut ends = [path.start, path.end]
-        .map(|xi| diameter(geometry.roll_at(i, geometry.center_distance, xi)));
-    ends.sort_by(f64::total_cmp);
-    let margin = 0.04 * (ends[1] - ends[0]);
-    let z = [gear.face_offset, gear.face_offset + gear.face_width];
-    Map {
-        ends: [z.map(|z| 1e3 * z), [ends[0] - margin, ends[1] + margin]],
-        top: patches.iter().filter_map(|p| p.value).fold(1.0, f64::max),
-        patches,
-    }
-}
-
-/// Maps of both gears for each of `cases` on one common scale, titled `what` it is, gear and `load` of the case.
+/// Maps of both gears for each of `cases` on one common scale, titled `what` it is, gear and `load` of the case. Every loaded
+/// segment of the mesh cycle is a patch, as high as the contact moves from one position to the next; `value` is None at a tip edge.
 fn patterns(
     geometry: &PairGeometry,
     cases: &[Case],
     [what, unit]: [&str; 2],
     load: impl Fn(&Case) -> String,
-    value: impl Fn(&SegmentLoad) -> Option<f64> + Copy,
+    value: impl Fn(&SegmentLoad) -> Option<f64>,
 ) -> Vec<Figure> {
-    let gears = |case| [(case, 0), (case, 1)];
-    let all = cases.iter().flat_map(gears);
-    let map = |(case, i)| {
+    let c = geometry.center_distance;
+    let path = geometry.path_of_contact(c);
+    let mut maps = Vec::new();
+    for (case, i) in cases.iter().flat_map(|case| [(case, 0), (case, 1)]) {
+        let gear = &geometry.gears[i];
+        let half_step = 0.5 * geometry.base_pitch() / case.input.positions as f64;
+        let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
+        let patch = |s: &SegmentLoad| {
+            let along_profile = [-half_step, half_step].map(|step| diameter(s.roll[i] + step));
+            Patch::new([s.z.map(|z| 1e3 * z), along_profile], value(s))
+        };
+        let segments = (case.cycle.results.iter()).flat_map(|result| &result.segments);
+        let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
+        let mut ends = [path.start, path.end].map(|xi| diameter(geometry.roll_at(i, c, xi)));
+        ends.sort_by(f64::total_cmp);
+        let margin = 0.04 * (ends[1] - ends[0]);
+        let z = [gear.face_offset, gear.face_offset + gear.face_width];
+        let ends = [z.map(|z| 1e3 * z), [ends[0] - margin, ends[1] + margin]];
         let title = format!("{what} on gear {} at {}", i + 1, load(case));
-        (title, pattern(geometry, case, i, value))
-    };
-    let mut all: Vec<(String, Map)> = all.map(map).collect();
-    let top = all.iter().map(|(_, map)| map.top).fold(0.0, f64::max);
-    all.iter_mut().for_each(|(_, map)| map.top = top);
+        maps.push((title, ends, seen.map(patch).collect::<Vec<_>>()));
+    }
+    let patches = maps.iter().flat_map(|(_, _, patches)| patches);
+    let top = patches.filter_map(|p| p.value).fold(1.0, f64::max);
     let labels = ["z (mm)", "diameter (mm)", unit];
-    let figure = |(title, map)| Figure::map(title, labels, map);
-    all.into_iter().map(figure).collect()
+    let figure = |(title, ends, patches)| Figure::new(title, &labels, Map { ends, patches, top });
+    maps.into_iter().map(figure).collect()
 }
 
 /// What the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the contact lines.
@@ -110,14 +82,16 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         "At {} and four positions of the mesh; one curve for each tooth pair in contact, up to where contact reaches a tip edge.",
         torque(nominal)
     );
-    let lines = LINE_POSITIONS.map(|tau| contact_lines(nominal, tau)).into();
+    let lines = LINE_POSITIONS
+        .map(|tau| contact_lines(nominal, tau))
+        .concat();
     let heading = "Pressure along the contact lines";
     sections.push(Section::new(heading, note, lines));
     sections
 }
 
 /// Pressure inside the flanks along z for every tooth pair in contact at the position of the cycle nearest below `tau`.
-fn contact_lines(case: &Case, tau: f64) -> Figure {
+fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
     let i = (tau * case.input.positions as f64) as usize;
     let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
     let segments: Vec<&SegmentLoad> = case.cycle.results[i]
@@ -131,9 +105,11 @@ fn contact_lines(case: &Case, tau: f64) -> Figure {
         Curve::new(format!("pair {}", segments[0].tooth_pair), points)
     };
     let pairs = segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair);
-    let title = format!("Pressure at mesh position {}", case.cycle.mesh_position[i]);
-    let (labels, height) = (["z (mm)", "pressure (MPa)"], Height::FromZero(0.0));
-    Figure::lines(title, labels, height, pairs.map(curve).collect())
+    let position = case.cycle.mesh_position[i];
+    charts! {
+        format!("Pressure at mesh position {position}"), ["z (mm)", "pressure (MPa)"], Height::FromZero(0.0)
+            => pairs.map(curve).collect::<Vec<_>>();
+    }
 }
 
 /// Profile and lead traces of each flank, as an inspection chart has them.
@@ -191,26 +167,25 @@ pub fn roots(cases: &[Case], nominal: f64) -> Section {
     let nominal = cases.iter().find(|case| case.input.torque == nominal);
     let gears = nominal.and_then(|case| case.roots.as_ref());
     for (i, gear) in gears.into_iter().flatten().enumerate() {
-        let title = format!("Fillet of gear {} at the largest root stress", i + 1);
-        let labels = ["z (mm)", "tangent (deg)", "root stress (MPa)"];
-        figures.extend(fillet(gear).map(|map| Figure::map(title, labels, map)));
+        let Some(largest) = gear.largest() else {
+            continue;
+        };
+        let rows = &gear.field;
+        let z: Vec<f64> = rows.iter().map(|row| 1e3 * row[0].z).collect();
+        let tangents = rows[0].iter().map(|point| point.tangent.to_degrees());
+        let tangents: Vec<f64> = tangents.collect();
+        let along_face = |k: usize| rows.iter().map(move |row| 1e-6 * row[k].stress);
+        let values = (0..tangents.len()).flat_map(along_face);
+        let map = Map::on_nodes([&z, &tangents], values, 1e-6 * largest.largest.stress);
+        // The outermost nodes lie on the faces.
+        let map = map.cut(z[0], z[z.len() - 1]);
+        figures.extend(charts! {
+            format!("Fillet of gear {} at the largest root stress", i + 1), ["z (mm)", "tangent (deg)", "root stress (MPa)"] => map;
+        });
     }
     let note = "Largest principal stress in the fillet of one tooth of either gear on its way through the mesh, from finite elements; at 0 its \
                 tooth pair touches at the pitch point at mid-face. Fillets: over the face and over the angle of the fillet's tangent \
                 with the tooth's centre line (90 degrees: root circle), at the nominal torque and the mesh position where the stress is \
                 largest.";
     Section::new("Tooth root stress", note, figures)
-}
-
-fn fillet(gear: &GearRoots) -> Option<Map> {
-    let top = 1e-6 * gear.largest()?.largest.stress;
-    let rows = &gear.field;
-    let z: Vec<f64> = rows.iter().map(|row| 1e3 * row[0].z).collect();
-    let tangents = rows[0].iter().map(|point| point.tangent.to_degrees());
-    let tangents: Vec<f64> = tangents.collect();
-    let along_face = |k: usize| rows.iter().map(move |row| 1e-6 * row[k].stress);
-    let values = (0..tangents.len()).flat_map(along_face);
-    let map = Map::on_nodes([&z, &tangents], values, top);
-    // The outermost nodes lie on the faces.
-    Some(map.cut(z[0], z[z.len() - 1]))
 }

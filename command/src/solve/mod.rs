@@ -1,26 +1,28 @@
 //! `gearmesh solve PAIR.json`: mesh cycles, quasi-static, for one load or a matrix of loads.
 
 mod results;
-mod text;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::contact::Deflection;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
+use gearmesh::words::{count, rounded};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::Error;
-use crate::case::{Case, load_matrix, summary};
-use crate::limits;
+use crate::case::{Case, LEGEND, details, load, load_matrix, summary, torque_in_words};
+use crate::columns::{Column, Listing, columns, list, rows, table};
 use crate::model::{Model, ModelArgs, widen};
-use crate::output::{self, Listing, rows};
-use crate::progress::Job;
+use crate::output::{self, Job};
+use crate::{Result, limits};
+use results::{
+    at_positions, largest_tooth, losses, nominal, nominal_stress, notes, positions, root_stress,
+};
 
 /// Solve the static contact over the mesh cycle, for one load or for every torque with every misalignment.
 #[derive(Debug, Args)]
@@ -45,8 +47,8 @@ pub struct Solve {
     misalignment_mrad: Vec<f64>,
 
     /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
-    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]))]
-    flank: String,
+    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(flank))]
+    flank: Flank,
 
     #[command(flatten)]
     deflection: DeflectionArgs,
@@ -76,6 +78,13 @@ fn torque(text: &str) -> Result<f64, String> {
         .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))
 }
 
+fn flank(name: String) -> Flank {
+    match &*name {
+        "coast" => Flank::Coast,
+        _ => Flank::Drive,
+    }
+}
+
 struct Solved {
     pair: Pair,
     model: Model,
@@ -83,7 +92,7 @@ struct Solved {
 }
 
 impl Solve {
-    pub fn run(self) -> Result<(), Error> {
+    pub fn run(self) -> Result<()> {
         let mut pair = self.model.applied_to(pair::read(&self.pair)?);
         let loads = self.loads(&pair)?;
         let deflection = self.deflection.read(&pair.geometry)?;
@@ -115,7 +124,7 @@ impl Solve {
             };
             format!("{json:#}\n")
         } else {
-            text::text(&solved, &self.speed_rpm)
+            text(&solved, &self.speed_rpm)
         };
         if self.estimate_error {
             let other = ModelArgs::reference(&solved.pair);
@@ -123,17 +132,10 @@ impl Solve {
             text += &difference(&solved, &other);
         }
         drop(job);
-        Ok(output::print(&text)?)
+        output::print(&text)
     }
 
-    fn flank(&self) -> Flank {
-        match &*self.flank {
-            "coast" => Flank::Coast,
-            _ => Flank::Drive,
-        }
-    }
-
-    fn loads(&self, pair: &Pair) -> Result<Vec<LoadCase>, Error> {
+    fn loads(&self, pair: &Pair) -> Result<Vec<LoadCase>> {
         let mut torques = self.torque_nm.clone();
         if torques.is_empty() {
             torques.push(pair.operating.nominal_torque);
@@ -153,14 +155,14 @@ impl Solve {
         loads: &[LoadCase],
         deflection: Option<&Deflection>,
         job: &Job,
-    ) -> Result<Solved, Error> {
-        let roots = self.model.root_stress.then_some(self.flank());
+    ) -> Result<Solved> {
+        let roots = self.model.root_stress.then_some(self.flank);
         let mut model = self.model.model(&pair, roots, job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
         }
         let input = CycleInput {
-            flank: self.flank(),
+            flank: self.flank,
             torque: loads[0].torque,
             center_distance_offset: self.center_distance_offset_um * 1e-6,
             misalignment: loads[0].misalignment,
@@ -173,6 +175,122 @@ impl Solve {
     }
 }
 
+/// All cycles, a line for each; of a single one every position, and the losses at `speeds` of gear 1, rpm.
+fn text(solved: &Solved, speeds: &[f64]) -> String {
+    let cases = &solved.cases;
+    let input = &cases[0].input;
+    let flank = match input.flank {
+        Flank::Drive => "drive",
+        Flank::Coast => "coast",
+    };
+    let mut text = format!(
+        "{}: {}, {flank} flank, centre distance offset {} um\n\n",
+        solved.pair.name,
+        count(cases.len(), "load"),
+        rounded(input.center_distance_offset * 1e6)
+    );
+    let mut rows = Listing::default();
+    match &cases[..] {
+        [case] => text += &one(solved, case, speeds, &mut rows),
+        cases => text += &many(solved, cases),
+    }
+    let seconds: f64 = cases.iter().map(|case| case.cycle.solve_seconds).sum();
+    rows! { rows;
+        "elastic model" => "{}", solved.model.description;
+        "time for the elastic model" => "{}", solved.model.effort;
+    }
+    if let Some(f) = &solved.model.fillets {
+        rows! { rows; "time for the model of the fillets" => "{}", f.effort; }
+    }
+    rows! { rows; "time for the contact" => "{seconds:.3} s"; }
+    text + &format!("\n{rows}") + &all_notes(solved)
+}
+
+fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> String {
+    let solver = &solved.model.solver;
+    let harmonics = case.cycle.harmonics().map(|h| h.map(|h| 1e6 * h.amplitude));
+    let harmonics = harmonics.map(|h| h.map_or("-".into(), |h| format!("{h:.4}")));
+    let mut first = Listing::default();
+    for columns in [load(), summary(solver)] {
+        list(&mut first, &columns, &case);
+    }
+    rows! { first; "harmonics 1 to 10" => "{} um", harmonics.join(" "); }
+    let mut text = format!("{first}\n");
+    text += &table(&positions(&case.cycle.tooth_pairs()), at_positions(case));
+    text += "\nz_c: axial position of the resulting force, from the z = 0 face of gear 1.\n\
+         pair k: share of a tooth pair in the load. Pair 0 touches at the pitch point at mid-face at mesh position 0;\n\
+         pair 1 is ahead of it by one pitch and leaves the mesh first, pair -1 comes into mesh after it.\n";
+    text += LEGEND;
+    list(rows, &details(solver), &case);
+    rows! { rows; "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual(); }
+    if !speeds.is_empty() {
+        text += "\n";
+        text += &table(&losses(&solved.pair, case), speeds.iter().copied());
+    }
+    if case.roots.is_some() {
+        let largest = (0..2).filter_map(|i| largest_tooth(case, i));
+        text += &format!("\n{}", table(&root_stress(), largest));
+        for i in 0..2 {
+            let mut terms = Listing::default();
+            match nominal_stress(solver, case, i) {
+                Some(stress) => list(&mut terms, &nominal(), &stress),
+                None => terms.row("beyond the standard", "(rim or notch)"),
+            }
+            rows.row(
+                format!("ISO 6336-3, gear {}", i + 1),
+                terms.joined("; ", " "),
+            );
+        }
+    }
+    text
+}
+
+fn many(solved: &Solved, cases: &[Case]) -> String {
+    let mut columns = load();
+    columns.extend(summary(&solved.model.solver));
+    let mut text = format!("{}\n{LEGEND}", table(&columns, cases));
+    if solved.model.fillets.is_some() {
+        let mut columns = load();
+        columns.extend(largest_root_stress());
+        text += &format!("\n{}\n{ROOT_LEGEND}", table(&columns, cases));
+    }
+    text
+}
+
+const ROOT_LEGEND: &str = "\
+root stress: largest principal stress in the fillets of a gear over the mesh cycle; at tangent: the same at the
+30 degree tangent (ring: 60 degrees).
+";
+
+fn largest_root_stress<'r>() -> Vec<Column<'static, &'r Case>> {
+    columns! { |c: &&Case|
+        "", ["root stress 1", "MPa", 1] => c.root_stress(0);
+        "", ["at tangent 1", "MPa", 1] => c.root_stress_at_tangent(0);
+        "", ["root stress 2", "MPa", 1] => c.root_stress(1);
+        "", ["at tangent 2", "MPa", 1] => c.root_stress_at_tangent(1);
+    }
+}
+
+/// What is to be known of the results, each sentence with the loads that it is about if it is not about all.
+fn all_notes(solved: &Solved) -> String {
+    let mut about: Vec<(String, Vec<String>)> = vec![];
+    for case in &solved.cases {
+        let torque = torque_in_words(case.input.torque);
+        let load = format!("{torque}, {} mrad", rounded(case.input.misalignment * 1e3));
+        for note in notes(&solved.pair, case) {
+            match about.iter_mut().find(|(other, _)| *other == note) {
+                Some((_, loads)) => loads.push(load.clone()),
+                None => about.push((note, vec![load.clone()])),
+            }
+        }
+    }
+    let line = |(note, loads): (String, Vec<String>)| match loads.len() < solved.cases.len() {
+        true => format!("\nnote: {note} ({})\n", loads.join("; ")),
+        false => format!("\nnote: {note}\n"),
+    };
+    about.into_iter().map(line).collect()
+}
+
 /// How far the results of `solved` are from those of the `other` refinement, at the load where they differ most.
 fn difference(solved: &Solved, other: &Solved) -> String {
     let model = &other.model;
@@ -180,7 +298,7 @@ fn difference(solved: &Solved, other: &Solved) -> String {
     rows! { rows; "compared with" => "{}", model.description; }
     let mut columns = summary(&model.solver);
     if model.fillets.is_some() {
-        columns.extend(text::largest_root_stress());
+        columns.extend(largest_root_stress());
     }
     for column in &columns {
         let both = solved.cases.iter().zip(&other.cases);
@@ -217,7 +335,7 @@ const LARGEST_UM: f64 = 1e4;
 
 impl DeflectionArgs {
     /// The deflection; None where none is requested.
-    fn read(&self, geometry: &PairGeometry) -> Result<Option<Deflection>, Error> {
+    fn read(&self, geometry: &PairGeometry) -> Result<Option<Deflection>> {
         if let Some(path) = &self.deflection {
             let curve = curve(path).map_err(|error| format!("{}: {error}", path.display()))?;
             return Ok(Some(curve));
@@ -228,7 +346,7 @@ impl DeflectionArgs {
     }
 }
 
-fn curve(path: &Path) -> Result<Deflection, Error> {
+fn curve(path: &Path) -> Result<Deflection> {
     #[derive(Deserialize)]
     struct Row {
         z_mm: f64,

@@ -5,15 +5,14 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use gearmesh::contact::RootPoint;
-use gearmesh::contact::{ContactSolver, SegmentLoad};
+use gearmesh::contact::{ContactSolver, RootPoint, SegmentLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, harmonics};
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 
-use crate::Error;
+use crate::Result;
 use crate::case::{Case, details, load, summary};
 use crate::columns::{Column, columns, csv, lists, object};
 use crate::output;
@@ -30,7 +29,7 @@ const NAMES: [&str; 7] = [
 ];
 
 /// Refuses a folder that cannot take the files, those of root stress if it is requested, and makes it if it is not there.
-pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
+pub fn check(folder: &Path, root_stress: bool) -> Result<()> {
     output::make_folder("--output", folder)?;
     for name in &NAMES[..if root_stress { 7 } else { 5 }] {
         output::check_writable(&folder.join(name), [] as [&Path; 0])?;
@@ -38,7 +37,7 @@ pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
     Ok(())
 }
 
-pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<(), Error> {
+pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<()> {
     let geometry = solver.geometry();
     let mut pairs: Vec<i32> = cases.iter().flat_map(|c| c.cycle.tooth_pairs()).collect();
     pairs.sort_unstable();
@@ -84,36 +83,34 @@ pub fn json(
     more("notes", json!(notes(pair, case)));
     for (k, (_, of, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
         let all = harmonics_of(case, k);
-        let list =
-            |value: fn(&Harmonic) -> f64| all.iter().map(|h| h.as_ref().map(value)).collect();
+        let list = |value: fn(Harmonic) -> f64| json!(all.map(|h| h.map(value)));
         more(&format!("{of}harmonics_{unit}"), list(|h| h.amplitude));
         more(&format!("{of}harmonics_phase_rad"), list(|h| h.phase));
     }
     let FaceLoad { z, load } = &case.face_load;
     more("face_z_mm", z.iter().map(|z| 1e3 * z).collect());
-    let load = load.iter().map(|load| 1e-3 * load);
-    more("face_load_n_per_mm", load.collect());
+    more(
+        "face_load_n_per_mm",
+        load.iter().map(|load| 1e-3 * load).collect(),
+    );
     if let Some(gears) = &case.roots {
+        let positions = cycle.results.len();
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
             let stress = |tooth: &ToothRoot| Some(1e-6 * stress(tooth)?);
             json!(
                 gears
                     .each_ref()
-                    .map(|gear| gear.over_cycle(cycle.results.len(), stress))
+                    .map(|gear| gear.over_cycle(positions, stress))
             )
         };
         more("root_stress_mpa", over_cycle(|t| Some(t.largest.stress)));
         let at_tangent = over_cycle(|t| Some(t.at_tangent?.stress));
         more("root_stress_at_tangent_mpa", at_tangent);
         let largest = [0, 1].map(|i| {
-            let tooth = object(&root_stress(), &largest_tooth(case, i)?).into_iter();
-            let key = |name: String| name.trim_start_matches("root_").to_owned();
-            let key = |name: String| key(name).replace("stress_at", "at");
-            Some(
-                tooth
-                    .map(|(name, value)| (key(name), value))
-                    .collect::<Map<_, _>>(),
-            )
+            let key = |name: &str| name.trim_start_matches("root_").replace("stress_at", "at");
+            let tooth = object(&root_stress(), &largest_tooth(case, i)?);
+            let tooth = tooth.into_iter().map(|(name, value)| (key(&name), value));
+            Some(tooth.collect::<Map<_, _>>())
         });
         more("largest_root_stress", json!(largest));
         let nominal = [0, 1].map(|i| Some(object(&nominal(), &nominal_stress(solver, case, i)?)));
@@ -146,10 +143,11 @@ pub fn positions<'r>(pairs: &[i32]) -> Vec<Column<'static, At<'r>>> {
         "edge_z_mm" => c.cycle.results[*i].edge_load.map(|edge| 1e3 * edge.z);
         "mesh_stiffness_loa_n_per_m" => c.cycle.results[*i].tangent.force_by_approach;
     };
-    columns.extend(pairs.iter().map(|&k| {
-        let share = move |(i, c): &At| c.share(*i, k).into();
-        Column::new(format!("load_share_{k}"), share).shown(format!("pair {k}"), "share", 4)
-    }));
+    for &k in pairs {
+        columns.extend(columns! { |(i, c): &At|
+            format!("load_share_{k}"), [format!("pair {k}"), "share", 4] => c.share(*i, k);
+        });
+    }
     columns
 }
 
@@ -231,11 +229,10 @@ fn harmonics_of(case: &Case, k: usize) -> [Option<Harmonic>; HARMONICS] {
 fn harmonic_columns<'r>() -> Vec<Column<'static, &'r Case>> {
     let mut columns = Vec::new();
     for (k, (of, _, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
-        for i in 0..HARMONICS {
-            let order = i + 1;
+        for order in 1..=HARMONICS {
             columns.extend(columns! { |c: &&Case|
-                format!("{of}_harmonic_{order}_{unit}") => harmonics_of(c, k)[i].map(|h| h.amplitude);
-                format!("{of}_phase_{order}_rad") => harmonics_of(c, k)[i].map(|h| h.phase);
+                format!("{of}_harmonic_{order}_{unit}") => harmonics_of(c, k)[order - 1].map(|h| h.amplitude);
+                format!("{of}_phase_{order}_rad") => harmonics_of(c, k)[order - 1].map(|h| h.phase);
             });
         }
     }

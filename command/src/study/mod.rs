@@ -1,6 +1,5 @@
 //! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
-mod samples;
 mod show;
 mod statistics;
 mod variation;
@@ -19,14 +18,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::Error;
 use crate::case::{Case, load_matrix};
-use crate::limits;
 use crate::model::{Model, ModelArgs, widen};
-use crate::output;
-use samples::{Outcome, Sample, outcomes};
+use crate::{Result, limits, output};
 pub use show::bands_of;
-use statistics::{Best, BestArgs, Measure, Statistics};
+use statistics::{Best, BestArgs, Measure, Outcome, Sample, Statistics, outcomes};
 use variation::{Plan, Requested, Variation};
 
 const FLANK: Flank = Flank::Drive;
@@ -86,8 +82,13 @@ pub struct Study {
     model: ModelArgs,
 }
 
-#[derive(Debug, Serialize)]
+/// What study.json holds, and with the setup and all samples what is shown.
+#[derive(Serialize)]
 struct Summary<'a> {
+    #[serde(skip)]
+    setup: &'a Setup,
+    #[serde(skip)]
+    done: Vec<Sample>,
     pair: &'a str,
     identity: &'a str,
     seed: u64,
@@ -121,7 +122,7 @@ fn class(text: &str) -> Result<u8, String> {
 }
 
 impl Study {
-    pub fn run(self) -> Result<(), Error> {
+    pub fn run(self) -> Result<()> {
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);
         let mut torques = self.torques_nm.clone();
@@ -147,16 +148,16 @@ impl Study {
         };
         setup.check(&pair, samples)?;
         let Setup { plan, torques, .. } = &setup;
-        let range = |field: &str, unit: f64, drawn: f64| {
+        let range = |field: &str, unit: f64| {
             let varied = plan.all().filter(|v| v.fields().any(|f| f == field));
             let ends = varied.map(|v| [v.low, v.high].map(|end| end * unit));
-            ends.fold([drawn; 2], |[low, high], [a, b]| [low.min(a), high.max(b)])
+            let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
+            ends.fold([0.0; 2], wider)
         };
-        for &torque in torques {
-            let most = range("torque_nm", 1.0, torque)[1];
-            let tilts = range("misalignment_mrad", 1e-3, 0.0);
-            let offsets = range("center_distance_offset_um", 1e-6, 0.0);
-            widen(&mut pair, most, tilts, offsets);
+        let tilts = range("misalignment_mrad", 1e-3);
+        let offsets = range("center_distance_offset_um", 1e-6);
+        for &torque in torques.iter().chain([&range("torque_nm", 1.0)[1]]) {
+            widen(&mut pair, torque, tilts, offsets);
         }
 
         output::make_folder("--output", &self.output)?;
@@ -166,7 +167,7 @@ impl Study {
             output::check_writable(path, [&self.pair])?;
         }
         let identity = self.identity(&pair, &setup);
-        let mut done = match !self.restart && is_begun(&summary, &identity)? {
+        let done = match !self.restart && is_begun(&summary, &identity)? {
             true => setup.read(&table)?,
             false => Vec::new(),
         };
@@ -176,6 +177,8 @@ impl Study {
         let missing: Vec<(usize, usize)> = all.filter(is_missing).collect();
         let name = pair.name.clone();
         let mut all = Summary {
+            setup: &setup,
+            done,
             pair: &name,
             identity: &identity,
             seed: self.seed,
@@ -202,20 +205,17 @@ impl Study {
                 job.show("samples", count as f64 / missing.len() as f64);
                 sample
             });
-            done.par_extend(solved);
-            done.sort_by_key(|sample| (sample.point, sample.number));
-            setup.write(&table, &done)?;
+            all.done.par_extend(solved);
+            all.done.sort_by_key(|sample| (sample.point, sample.number));
+            setup.write(&table, &all.done)?;
         }
         drop(job);
 
-        all.best = setup.best(&done)?;
-        for point in [0]
-            .into_iter()
-            .chain(all.best.as_ref().map(|best| best.point))
-        {
-            all.statistics.extend(setup.spread(&done, point)?);
-        }
+        let done = &all.done;
+        all.best = setup.best(done)?;
+        all.statistics.extend(setup.spread(done, 0)?);
         if let Some(found) = &all.best {
+            all.statistics.extend(setup.spread(done, found.point)?);
             let mut draft = setup.changed(&plan.values(found.point, 0, self.seed))?;
             draft.rename(&format!("{name}-best"));
             output::write_whole(&best, draft.to_json().as_bytes())?;
@@ -223,44 +223,34 @@ impl Study {
         all.refused = done.iter().filter(|s| s.outcome.is_err()).count();
         all.samples = done.iter().map(|s| s.number).max().unwrap_or(0);
         all.write(&summary)?;
-        let study = show::Shown {
-            summary: &all,
-            setup: &setup,
-            done: &done,
-        };
-        let text = study.text();
+        let text = all.text();
         let figures = self.output.join("figures");
         output::make_folder("--output", &figures)?;
-        study.page(&text).write(&page, Some(&figures))?;
-        Ok(output::print(&text)?)
+        all.page(&text).write(&page, Some(&figures))?;
+        output::print(&text)
     }
 
     fn identity(&self, pair: &Pair, Setup { plan, torques, .. }: &Setup) -> String {
+        let (seed, positions, args) = (self.seed, self.positions, &self.model);
+        let (settings, plane_strain) = (args.contact_settings(pair), args.plane_strain);
+        let roots = if args.root_stress { " root stress" } else { "" };
+        let version = env!("CARGO_PKG_VERSION");
         let all = format!(
-            "{} {pair:?} {plan:?} {} {} {torques:?} {:?} {}{}",
-            env!("CARGO_PKG_VERSION"),
-            self.seed,
-            self.positions,
-            self.model.contact_settings(pair),
-            self.model.plane_strain,
-            if self.model.root_stress {
-                " root stress"
-            } else {
-                ""
-            }
+            "{version} {pair:?} {plan:?} {seed} {positions} {torques:?} {settings:?} {plane_strain}{roots}"
         );
         hex(&Sha256::digest(all)[..16])
     }
 }
 
 /// Whether `summary` is there, of an earlier run of the study with this `identity`.
-fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
+fn is_begun(summary: &Path, identity: &str) -> Result<bool> {
     if !summary.exists() {
         return Ok(false);
     }
     let path = summary.display();
-    let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
-        .map_err(|error| format!("{path}: {error}; begin anew with --restart"))?;
+    let found = serde_json::from_str(&output::read_text(summary)?);
+    let found: serde_json::Value =
+        found.map_err(|error| format!("{path}: {error}; begin anew with --restart"))?;
     if found["identity"] != identity {
         refuse!(
             "{path}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with --restart"
@@ -270,9 +260,9 @@ fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
 }
 
 impl Summary<'_> {
-    fn write(&self, path: &Path) -> Result<(), Error> {
+    fn write(&self, path: &Path) -> Result<()> {
         let text = serde_json::to_string_pretty(self)? + "\n";
-        Ok(output::write_whole(path, text.as_bytes())?)
+        output::write_whole(path, text.as_bytes())
     }
 }
 
@@ -289,7 +279,7 @@ fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
 
 impl Setup {
     /// The pair file with the `values` of varied fields that differ from those as drawn, loads apart.
-    fn changed(&self, values: &[f64]) -> Result<PairDraft, Error> {
+    fn changed(&self, values: &[f64]) -> Result<PairDraft> {
         let mut draft = self.draft.clone();
         for ((field, drawn), value) in self.plan.fields.iter().zip(values) {
             if value != drawn && load_limit(field, *value).is_none() {
@@ -301,7 +291,7 @@ impl Setup {
 
     /// Refuses what is not there, what `pair` may not have, what changes the teeth or nothing, and more than can be solved,
     /// before anything is computed.
-    fn check(&self, pair: &Pair, samples: usize) -> Result<(), Error> {
+    fn check(&self, pair: &Pair, samples: usize) -> Result<()> {
         let Setup { plan, torques, .. } = self;
         // Fields of a grid may need each other.
         let base = match plan.points() {
@@ -358,26 +348,28 @@ impl Setup {
         }
         let factors = [plan.points() + 1, samples + 1, torques.len()].into_iter();
         let count = factors.fold(1, usize::saturating_mul);
-        limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
-            format!("points of the grid times samples times torques = {count}: {e}")
-        })?;
+        if let Err(e) = limits::check(Some(count), &(1..=MOST_CYCLES)) {
+            refuse!("points of the grid times samples times torques = {count}: {e}");
+        }
         Ok(())
     }
 
     /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
     fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
         let fields = self.plan.values(point, number, self.seed);
-        let outcome = self.solve(pair, model, &fields);
+        let outcome = self
+            .solve(pair, model, &fields)
+            .map_err(|error| error.to_string());
         Sample {
             point,
             number,
-            outcome: outcome.map_err(|error| error.to_string()),
+            outcome,
             fields,
         }
     }
 
     /// The outcomes at each torque of `pair`, whose operating range is widened to what is varied, with the `values` of the fields.
-    fn solve(&self, pair: &Pair, model: &Model, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+    fn solve(&self, pair: &Pair, model: &Model, values: &[f64]) -> Result<Vec<Vec<f64>>> {
         let load = |name: &str| {
             let index = self.plan.fields.iter().position(|(field, _)| field == name);
             index.map(|k| values[k])
@@ -407,7 +399,7 @@ impl Setup {
 
     /// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
     /// point itself.
-    fn spread(&self, done: &[Sample], point: usize) -> Result<Vec<Statistics>, Error> {
+    fn spread(&self, done: &[Sample], point: usize) -> Result<Vec<Statistics>> {
         let all = || done.iter().filter(|s| s.point == point);
         let drawn = all().find(|s| s.number == 0);
         let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
@@ -420,12 +412,12 @@ impl Setup {
         if solved.is_empty() {
             refuse!("no sample could be solved; samples.csv says why");
         }
-        let mut all = Vec::new();
+        let mut statistics = Vec::new();
         for (t, &torque) in self.torques.iter().enumerate() {
             for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
-                all.push(Statistics::new(name, k, (t, torque), drawn, &solved));
+                statistics.push(Statistics::new(name, k, (t, torque), drawn, &solved));
             }
         }
-        Ok(all)
+        Ok(statistics)
     }
 }

@@ -5,16 +5,13 @@ use std::path::Path;
 use gearmesh::words::{count, fixed, rounded, shown};
 use serde::Deserialize;
 
-use super::samples::{Outcome, Sample, outcomes};
-use super::statistics::{Statistics, ascending};
+use super::statistics::{Outcome, Sample, Statistics, ascending, outcomes};
 use super::variation::Variation;
 use super::{Setup, Summary};
-use crate::Error;
 use crate::case::torque_in_words;
-use crate::columns::{columns, table};
-use crate::output::{self, Listing};
-use crate::report::figure::{Curve, Figure, Height, Map, Style, charts};
-use crate::report::page::{Page, Section};
+use crate::columns::{Listing, columns, table};
+use crate::report::page::{Curve, Figure, Height, Map, Page, Section, Style, charts};
+use crate::{Result, output};
 
 const CORRELATIONS: &str = "
 The first correlation is near zero for a field that acts alike in both directions; the second one, of how far the field
@@ -24,58 +21,47 @@ is from its value as drawn, shows it. What fields do together (slopes of both ge
 /// Points of a grid in the table of the best ones.
 const BEST: usize = 10;
 
-pub struct Shown<'a> {
-    pub summary: &'a Summary<'a>,
-    pub setup: &'a Setup,
-    pub done: &'a [Sample],
-}
-
-impl Shown<'_> {
+impl Summary<'_> {
     pub fn text(&self) -> String {
-        let (samples, refused) = (self.summary.samples, self.summary.refused);
-        let mut text = format!("{}: ", shown(self.summary.pair));
-        if self.setup.plan.points() > 0 {
-            text += &format!("{} of a grid, ", count(self.setup.plan.points(), "point"));
-        }
+        let plan = &self.setup.plan;
+        let grid = match plan.points() {
+            0 => String::new(),
+            points => format!("{} of a grid, ", count(points, "point")),
+        };
         let mut rows = Listing::default();
-        for v in self.setup.plan.all() {
+        for v in plan.all() {
             let how = v.points.map(|points| format!("{points} points"));
             let how = how.unwrap_or("even".into());
             rows.row(&v.field, format!("{} to {}, {how}", v.low, v.high));
         }
-        let number = count(samples, "sample");
-        text += &format!(
-            "{number}, {refused} refused, seed {}\n\n{rows}\n",
-            self.summary.seed
+        let mut text = format!(
+            "{}: {grid}{}, {} refused, seed {}\n\n{rows}\n",
+            shown(self.pair),
+            count(self.samples, "sample"),
+            self.refused,
+            self.seed
         );
-        if let Some(best) = &self.summary.best {
+        if let Some(best) = &self.best {
             let as_drawn = best.as_drawn.map_or("refused".into(), |v| fixed(v, 4));
             text += &format!("best by {}; as drawn: {as_drawn}\n\n", best.measure);
             let mut columns = columns! { |(point, value): &(usize, f64)|
                 "", ["point", "", None] => *point;
                 "", ["measure", "", 4] => *value;
             };
-            for (k, (field, _)) in self.setup.plan.fields.iter().enumerate() {
+            for (k, (field, _)) in plan.fields.iter().enumerate() {
                 columns.extend(columns! { |(point, _): &(usize, f64)|
-                    "", [field, "", None] => self.setup.plan.values(*point, 0, 0)[k];
+                    "", [field, "", None] => plan.values(*point, 0, 0)[k];
                 });
             }
-            text += &table(
-                &columns,
-                self.setup.ranking(self.done).into_iter().take(BEST),
-            );
-            let axes = self
-                .setup
-                .plan
-                .grid
-                .iter()
-                .zip(self.setup.plan.indices(best.point));
+            let ranking = self.setup.ranking(&self.done);
+            text += &table(&columns, ranking.into_iter().take(BEST));
+            let axes = plan.grid.iter().zip(plan.indices(best.point));
             let ends = axes.filter(|(axis, i)| *i == 0 || axis.points == Some(i + 1));
             let ends: Vec<&str> = ends.map(|(axis, _)| &*axis.field).collect();
             if !ends.is_empty() {
-                let ends = ends.join(" and ");
                 text += &format!(
-                    "\nnote: the best point is at an end of the grid in {ends}; a wider grid may hold a better one\n"
+                    "\nnote: the best point is at an end of the grid in {}; a wider grid may hold a better one\n",
+                    ends.join(" and ")
                 );
             }
             text.push('\n');
@@ -91,13 +77,12 @@ impl Shown<'_> {
             "", ["95 %", "", 3] => s.percentile_95;
             "", ["largest", "", 3] => s.largest;
         };
-        let shown = if samples > 0 { spread.len() } else { 4 };
-        text += &table(&spread[..shown], &self.summary.statistics);
-        if samples > 0 {
+        let shown = if self.samples > 0 { spread.len() } else { 4 };
+        text += &table(&spread[..shown], &self.statistics);
+        if self.samples > 0 {
             text += &self.correlations();
         }
-        let refusal = |s: &Sample| s.outcome.as_ref().err().cloned();
-        let mut refusals = self.done.iter().filter_map(|s| Some((s, refusal(s)?)));
+        let mut refusals = (self.done.iter()).filter_map(|s| Some((s, s.outcome.as_ref().err()?)));
         if let Some((Sample { point, number, .. }, error)) = refusals.next() {
             let point = match point {
                 0 => String::new(),
@@ -105,15 +90,13 @@ impl Shown<'_> {
             };
             text += &format!("\nfirst that was refused: {point}sample {number}: {error}\n");
         }
-        for note in &self.summary.notes {
-            text += &format!("\nnote: {note}\n");
-        }
-        text
+        let notes = self.notes.iter().map(|note| format!("\nnote: {note}\n"));
+        text + &notes.collect::<String>()
     }
 
     /// Those of the last statistics, at their first torque, with the fields that are drawn.
     fn correlations(&self) -> String {
-        let all = &self.summary.statistics;
+        let all = &self.statistics;
         let point = all.last().map_or(0, |s| s.point);
         let statistics = all.iter().filter(|s| s.point == point);
         let statistics: Vec<&Statistics> = statistics.take(self.setup.outcomes.len()).collect();
@@ -138,40 +121,39 @@ impl Shown<'_> {
     pub fn page(&self, text: &str) -> Page {
         let note = "Drawn fields are drawn evenly from their interval; 5 % and 95 %: a twentieth of the samples lies below, above.";
         let mut sections = vec![Section::new("In numbers", note, vec![]).with_text(text.into())];
-        if self.summary.best.is_some() {
-            let note = format!(
-                "Measure: {}. A curve has the best of all other fields.",
-                self.setup.measure.words
-            );
+        if self.best.is_some() {
+            let measure = &self.setup.measure.words;
+            let note = format!("Measure: {measure}. A curve has the best of all other fields.");
             sections.push(Section::new("Grid", note, self.grid()));
         }
-        if self.summary.torques_nm.len() > 1 {
-            sections.push(bands(&self.summary.statistics));
+        if self.torques_nm.len() > 1 {
+            sections.push(bands(&self.statistics));
         }
-        if self.summary.samples > 0 {
+        if self.samples > 0 {
             let note = "Share of the samples up to a value; the vertical line is the point itself.";
             let heading = "Cumulative distribution";
             sections.push(Section::new(heading, note, self.distributions()));
         }
         Page {
-            title: format!("Study: {}", self.summary.pair),
+            title: format!("Study: {}", self.pair),
             sections,
         }
     }
 
     /// The measure over each axis of the grid, and over both of two.
     fn grid(&self) -> Vec<Figure> {
-        let ranking = self.setup.ranking(self.done);
+        let Setup { plan, measure, .. } = self.setup;
+        let ranking = self.setup.ranking(&self.done);
         let nodes = |axis: &Variation| -> Vec<f64> {
             let all = 0..axis.points.unwrap_or(0);
             all.map(|i| axis.value(i)).collect()
         };
         let mut figures = Vec::new();
-        for (k, axis) in self.setup.plan.grid.iter().enumerate() {
+        for (k, axis) in plan.grid.iter().enumerate() {
             let best = |(i, x): (usize, f64)| {
-                let mut points = ranking.iter();
-                let found = points.find(|(point, _)| self.setup.plan.indices(*point)[k] == i);
-                (x, found.map_or(f64::NAN, |(_, measure)| *measure))
+                let is_own = |(point, _): &&(usize, f64)| plan.indices(*point)[k] == i;
+                let best = ranking.iter().find(is_own);
+                (x, best.map_or(f64::NAN, |best| best.1))
             };
             let points = nodes(axis).into_iter().enumerate().map(best);
             figures.extend(charts! {
@@ -179,24 +161,26 @@ impl Shown<'_> {
                     => vec![Curve::new("best", points)];
             });
         }
-        if let [x, y] = &self.setup.plan.grid[..] {
-            let points = 1..=self.setup.plan.points();
-            let values = points.map(|p| self.setup.measure.of(self.done, p).unwrap_or(f64::NAN));
+        if let [x, y] = &plan.grid[..] {
+            let points = 1..=plan.points();
+            let values = points.map(|p| measure.of(&self.done, p).unwrap_or(f64::NAN));
             let map = Map::on_nodes([&nodes(x), &nodes(y)], values, 0.0);
-            let title = "Measure over both; blue: refused";
-            figures.push(Figure::map(title, [&x.field, &y.field, "measure"], map));
+            figures.extend(charts! {
+                "Measure over both; blue: refused", [&*x.field, &y.field, "measure"] => map;
+            });
         }
         figures
     }
 
+    /// Share of the samples up to each value, of the best point or of the pair as drawn.
     fn distributions(&self) -> Vec<Figure> {
-        let mut charts = Vec::new();
-        let point = self.summary.best.as_ref().map_or(0, |best| best.point);
+        let mut figures = Vec::new();
+        let point = self.best.as_ref().map_or(0, |best| best.point);
         let samples = self.done.iter().filter(|s| s.point == point);
         let (itself, samples): (Vec<&Sample>, Vec<&Sample>) = samples.partition(|s| s.number == 0);
         for (k, outcome) in self.setup.outcomes.iter().enumerate().filter(is_headed) {
             let mut curves = Vec::new();
-            for (t, torque) in self.summary.torques_nm.iter().enumerate() {
+            for (t, torque) in self.torques_nm.iter().enumerate() {
                 let values: Vec<f64> = samples.iter().filter_map(|s| s.result(t, k)).collect();
                 let sorted = ascending(&values);
                 // What does not vary is in the table.
@@ -211,13 +195,13 @@ impl Shown<'_> {
                 curves.push(Curve::new("point itself", line));
             }
             if !curves.is_empty() {
-                charts.extend(charts! {
+                figures.extend(charts! {
                     format!("Distribution of {}", outcome.head), [&label(outcome), "share of the samples (%)"], Height::FromZero(0.0)
                         => curves;
                 });
             }
         }
-        charts
+        figures
     }
 }
 
@@ -268,7 +252,7 @@ fn bands(statistics: &[Statistics]) -> Section {
 }
 
 /// The bands of the study in `folder`, if it is a finished one of the pair `name` with several torques.
-pub fn bands_of(folder: &Path, name: &str) -> Result<Section, Error> {
+pub fn bands_of(folder: &Path, name: &str) -> Result<Section> {
     #[derive(Deserialize)]
     struct Known {
         pair: String,
@@ -278,8 +262,8 @@ pub fn bands_of(folder: &Path, name: &str) -> Result<Section, Error> {
     let path = folder.join("study.json");
     let wrong = |what: String| format!("--study = {}: {what}", folder.display());
     let text = output::read_text(&path).map_err(wrong)?;
-    let known: Known =
-        serde_json::from_str(&text).map_err(|e| wrong(format!("study.json: {e}")))?;
+    let known = serde_json::from_str(&text);
+    let known: Known = known.map_err(|e| wrong(format!("study.json: {e}")))?;
     if known.pair != name && Some(&*known.pair) != name.strip_suffix("-best") {
         let other = shown(&known.pair);
         return Err(wrong(format!("this is a study of {other}; give one of {name}")).into());

@@ -1,14 +1,136 @@
-//! What many samples say about one result, and the best point of a grid by a measure that the user chooses.
+//! The samples of a study on disk, which make it resume; what many of them say about one result, and the best point of a grid by
+//! a measure that the user chooses.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 use super::Setup;
-use super::samples::{Outcome, Sample};
-use crate::Error;
-use crate::limits;
+use crate::case::Case;
+use crate::columns::{Column, columns, csv};
+use crate::{Result, limits, output};
+
+/// A result of a mesh cycle: in samples.csv; with a head also in correlations and charts.
+pub type Outcome = Column<'static, Case>;
+
+/// The results of a sample at a torque, the last two only with `root_stress`.
+pub fn outcomes(root_stress: bool) -> Vec<Outcome> {
+    let mut all = columns! { |c: &Case|
+        "peak_to_peak_ste_loa_um", ["p-p STE", "um", None] => 1e6 * c.cycle.peak_to_peak_ste();
+        "mean_ste_loa_um" => 1e6 * c.cycle.mean_ste();
+        "harmonic_1_loa_um", ["1st harm.", "um", None] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
+        "maximum_pressure_mpa", ["pressure", "MPa", None] => 1e-6 * c.cycle.max_pressure();
+        "edge_line_load_n_per_mm" => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "face_load_factor", ["K_Hbeta", "", None] => c.face_load.face_load_factor();
+        "root_stress_1_mpa", ["root 1", "MPa", None] => c.root_stress(0);
+        "root_stress_2_mpa", ["root 2", "MPa", None] => c.root_stress(1);
+    };
+    all.truncate(if root_stress { 8 } else { 6 });
+    all
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Of the grid, from 1 on; 0: the pair as drawn.
+    pub point: usize,
+    /// From 1 on; 0: the point itself.
+    pub number: usize,
+    pub fields: Vec<f64>,
+    /// Those of [`outcomes`] at each torque, or why there are none.
+    pub outcome: Result<Vec<Vec<f64>>, String>,
+}
+
+impl Sample {
+    pub fn result(&self, t: usize, k: usize) -> Option<f64> {
+        Some(self.outcome.as_ref().ok()?[t][k])
+    }
+}
+
+impl Setup {
+    /// Number, fields, results, and what went wrong if something did.
+    fn columns<'s>(&self) -> Vec<Column<'_, (usize, &'s Sample)>> {
+        let mut all = columns! { |(_, s): &(usize, &Sample)|
+            "point" => s.point;
+            "sample" => s.number;
+        };
+        if self.plan.grid.is_empty() {
+            all.remove(0);
+        }
+        if !self.plan.is_varied("torque_nm") {
+            all.extend(columns! { |(t, _): &(usize, &Sample)| "torque_nm" => self.torques[*t]; });
+        }
+        for (k, (field, _)) in self.plan.fields.iter().enumerate() {
+            all.extend(columns! { |(_, s): &(usize, &Sample)| field => s.fields[k]; });
+        }
+        for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
+            all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
+        }
+        let error = |s: &Sample| s.outcome.as_ref().err().cloned();
+        all.extend(columns! { |(_, s): &(usize, &Sample)| "error" => error(s); });
+        all
+    }
+
+    pub fn write(&self, path: &Path, samples: &[Sample]) -> Result<()> {
+        let rows = |sample| (0..self.torques.len()).map(move |t| (t, sample));
+        let table = csv(&[], &self.columns(), samples, rows)?;
+        output::write_whole(path, &table)
+    }
+
+    /// The samples that are there, none if there is no such file; one of another form is refused.
+    pub fn read(&self, path: &Path) -> Result<Vec<Sample>> {
+        if !path.exists() {
+            return Ok(Vec::new());
+        }
+        let wrong = |what: &str| {
+            let path = path.display();
+            format!("{path}: {what}; name another folder, or begin anew with --restart")
+        };
+        let text = output::read_text(path)?;
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let columns = self.columns();
+        if (reader.headers()?.iter()).ne(columns.iter().map(|column| &*column.name)) {
+            return Err(wrong("columns of another study").into());
+        }
+        let last = columns.len() - 1;
+        let results = last - self.outcomes.len();
+        let fields = results - self.plan.fields.len();
+        let mut samples: Vec<Sample> = Vec::new();
+        for record in reader.records() {
+            let record = record?;
+            let error = &record[last];
+            // A refused sample has no results.
+            let number = |(k, text): (usize, &str)| match text {
+                "" if k >= results && !error.is_empty() => Ok(f64::NAN),
+                _ => (text.parse::<f64>()).map_err(|_| wrong(&format!("`{text}` is no number"))),
+            };
+            let numbers = record.iter().take(last).enumerate().map(number);
+            let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+            let [point, number] = match self.plan.grid.is_empty() {
+                true => [0, numbers[0] as usize],
+                false => [numbers[0], numbers[1]].map(|number| number as usize),
+            };
+            let found = numbers[results..].to_vec();
+            match samples.last_mut() {
+                // Another torque of the same sample.
+                Some(s) if (s.point, s.number) == (point, number) => {
+                    s.outcome.iter_mut().for_each(|all| all.push(found.clone()));
+                }
+                _ => samples.push(Sample {
+                    point,
+                    number,
+                    fields: numbers[fields..results].into(),
+                    outcome: match error {
+                        "" => Ok(vec![found]),
+                        error => Err(error.into()),
+                    },
+                }),
+            }
+        }
+        Ok(samples)
+    }
+}
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
@@ -50,12 +172,11 @@ impl Statistics {
             sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
         };
         let correlations = |change: fn(f64, f64) -> f64| {
-            let field = |k: usize| -> Vec<f64> {
-                let fields = samples.iter().map(|sample| sample.fields[k]);
-                fields.map(|field| change(field, drawn.fields[k])).collect()
+            let of_field = |(k, drawn): (usize, &f64)| {
+                let changes = samples.iter().map(|s| change(s.fields[k], *drawn));
+                correlation(&changes.collect::<Vec<_>>(), &values)
             };
-            let fields = 0..drawn.fields.len();
-            fields.map(|k| correlation(&field(k), &values)).collect()
+            drawn.fields.iter().enumerate().map(of_field).collect()
         };
         Statistics {
             point: drawn.point,
@@ -92,10 +213,9 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let [a, b] = [a, b].map(deviations);
     let scale = (product(&a, &a) * product(&b, &b)).sqrt();
-    if scale > 0.0 {
-        product(&a, &b) / scale
-    } else {
-        0.0
+    match scale > 0.0 {
+        true => product(&a, &b) / scale,
+        false => 0.0,
     }
 }
 
@@ -130,9 +250,9 @@ pub struct Measure {
 }
 
 impl BestArgs {
-    pub fn measure(&self, outcomes: &[Outcome], torques: &[f64]) -> Result<Measure, Error> {
-        let names: Vec<&str> = outcomes.iter().map(|o| &*o.name).collect();
-        let Some(result) = names.iter().position(|name| *name == self.best) else {
+    pub fn measure(&self, outcomes: &[Outcome], torques: &[f64]) -> Result<Measure> {
+        let Some(result) = outcomes.iter().position(|o| o.name == self.best) else {
+            let names: Vec<&str> = outcomes.iter().map(|o| &*o.name).collect();
             let (best, names) = (&self.best, names.join(", "));
             refuse!("--best = {best}: no result of this study; give one of {names}");
         };
@@ -141,11 +261,10 @@ impl BestArgs {
             weights.resize(torques.len(), 1.0);
         }
         let sum: f64 = weights.iter().sum();
-        if weights.len() != torques.len() || sum == 0.0 {
+        let [given, needed] = [weights.len(), torques.len()];
+        if given != needed || sum == 0.0 {
             refuse!(
-                "--weights: {} for {} torques with the sum {sum}; give one for each torque, not all 0",
-                weights.len(),
-                torques.len()
+                "--weights: {given} for {needed} torques with the sum {sum}; give one for each torque, not all 0"
             );
         }
         let judged = match self.judged_by {
@@ -153,9 +272,10 @@ impl BestArgs {
             Judged::Mean => "mean of the samples",
             Judged::Worst => "worst of the samples",
         };
-        let over = match torques {
-            [_] => "",
-            _ => ", weighted over the torques",
+        let over = if needed == 1 {
+            ""
+        } else {
+            ", weighted over the torques"
         };
         Ok(Measure {
             result,
@@ -187,15 +307,14 @@ impl Measure {
 impl Setup {
     /// The points of the grid that have a measure, best first.
     pub fn ranking(&self, done: &[Sample]) -> Vec<(usize, f64)> {
-        let points = 1..=self.plan.points();
-        let measured = points.filter_map(|point| Some((point, self.measure.of(done, point)?)));
-        let mut all: Vec<_> = measured.collect();
+        let measured = |point| Some((point, self.measure.of(done, point)?));
+        let mut all: Vec<_> = (1..=self.plan.points()).filter_map(measured).collect();
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         all
     }
 
     /// The best point, None where there is no grid; a grid of which no point could be solved is refused.
-    pub fn best(&self, done: &[Sample]) -> Result<Option<Best>, Error> {
+    pub fn best(&self, done: &[Sample]) -> Result<Option<Best>> {
         let Setup { plan, measure, .. } = self;
         if plan.grid.is_empty() {
             return Ok(None);

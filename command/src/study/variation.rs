@@ -9,8 +9,7 @@ use gearmesh::words::rounded;
 use gearmesh_preprocessor::pair::PairDraft;
 use serde::Serialize;
 
-use crate::Error;
-use crate::limits;
+use crate::{Result, limits};
 
 /// A varied field with the ends of its values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -106,7 +105,7 @@ impl Plan {
         draft: &PairDraft,
         pair: &Pair,
         torque: f64,
-    ) -> Result<Plan, Error> {
+    ) -> Result<Plan> {
         let mut plan = Plan::default();
         let as_drawn = |field: &str| match field {
             "torque_nm" => torque,
@@ -127,13 +126,16 @@ impl Plan {
                 let both = format!("gear{}.{name}", i + 1);
                 let field = draft.number(&own).map_or(both, |_| own);
                 let about = as_drawn(&field);
-                let variation = Variation {
-                    field,
-                    low: -1e6 * tolerance,
-                    high: 1e6 * tolerance,
-                    points: None,
-                };
-                plan.add(variation, about)?;
+                let (low, high, points) = (-1e6 * tolerance, 1e6 * tolerance, None);
+                plan.add(
+                    Variation {
+                        field,
+                        low,
+                        high,
+                        points,
+                    },
+                    about,
+                )?;
             }
         }
         let varied: Vec<Variation> = plan.all().cloned().collect();
@@ -149,7 +151,7 @@ impl Plan {
     }
 
     /// Adds `variation` with its ends counted from `about`.
-    fn add(&mut self, mut variation: Variation, about: f64) -> Result<(), Error> {
+    fn add(&mut self, mut variation: Variation, about: f64) -> Result<()> {
         let all = match variation.points {
             Some(_) => &mut self.grid,
             None => &mut self.drawn,

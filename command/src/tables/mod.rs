@@ -2,7 +2,6 @@
 
 mod sweeps;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -12,19 +11,18 @@ use gearmesh::pair::Pair;
 use gearmesh::table::{TableFile, TeethRecord};
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{Coverage, SolveQuality, WatchedSolver, tilt};
-use serde_json::{Value, json};
+use gearmesh_preprocessor::table::{Coverage, WatchedSolver, tilt};
+use serde_json::json;
 
-use crate::Error;
-use crate::flank_summary::modifications;
+use crate::columns::{Listing, rows};
 use crate::inspect::run_time_error;
-use crate::model::{Model, ModelArgs};
-use crate::output::{self, Listing};
-use crate::pair_summary::at_build;
+use crate::model::ModelArgs;
+use crate::pair_summary::{at_build, modifications};
+use crate::{Result, output};
 use sweeps::{Sweeps, corners, preflight};
 
-/// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of.
-const LARGE_ERROR: f64 = 0.03;
+/// Error of the force, percent rms of the nominal one, from which on tooth pairs one by one are warned of.
+const LARGE_ERROR: f64 = 3.0;
 
 /// Compute the tables of a pair.
 #[derive(Debug, Args)]
@@ -76,11 +74,10 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl Tables {
-    pub fn run(self) -> Result<(), Error> {
+    pub fn run(self) -> Result<()> {
         let made = compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
         output::write_whole(&self.output, made.file.to_json().as_bytes())?;
-        output::print(&format!("Wrote {}: {}\n", self.output.display(), made.text))?;
-        Ok(())
+        output::print(&format!("Wrote {}: {}\n", self.output.display(), made.text))
     }
 }
 
@@ -97,7 +94,7 @@ pub fn compute(
     grid: &GridArgs,
     contact: bool,
     args: &ModelArgs,
-) -> Result<Made, Error> {
+) -> Result<Made> {
     // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
     if args.root_stress && args.plane_strain {
         refuse!(
@@ -114,8 +111,8 @@ pub fn compute(
     preflight(&pair, args, &coverage, &job)?;
     let model = args.model(&pair, None, &job)?;
     corners(&model.solver, &pair, &coverage)?;
-    let (description, effort) = (&model.description, &model.effort);
-    let mut lines = vec![format!("elastic model: {description}, {effort}")];
+    let mut rows = Listing::default();
+    rows! { rows; "elastic model" => "{}, {}", model.description, model.effort; }
 
     let begin = Instant::now();
     // Solves that no table holds are not counted with it.
@@ -135,21 +132,16 @@ pub fn compute(
     let (drive, coast, error) = sweeps.flanks(&source, grid.max_error)?;
     let friction = grid.friction.then(|| sweeps.sliding()).transpose()?;
     let quality = source.quality();
-    lines.push(format!(
-        "static contact: {}, {} contact solves, Newton steps {} at most of {MAXIMUM_ITERATIONS} allowed, residual of the contact \
-         conditions {:.1e} at most",
-        seconds_since(begin),
-        quality.solves,
-        quality.most_iterations,
-        quality.kkt_residual
-    ));
-    lines.extend(at_build(&pair));
+    rows! { rows;
+        "static contact" => "{}, {} contact solves, Newton steps {} at most of {MAXIMUM_ITERATIONS} allowed, residual of the contact \
+             conditions {:.1e} at most", seconds_since(begin), quality.solves, quality.most_iterations, quality.kkt_residual;
+    }
+    at_build(&pair, &mut rows);
 
     let begin = Instant::now();
     let root_stress = args.root_stress.then(|| sweeps.root_stress()).transpose()?;
     if let Some(record) = &root_stress {
-        let error = &record.interpolation_error;
-        lines.push(format!("root stress: {}, {error}", seconds_since(begin)));
+        rows! { rows; "root stress" => "{}, {}", seconds_since(begin), record.interpolation_error; }
     }
     let solver = args.at_run_time(&model.solver);
     let at_run_time = (contact || grid.teeth).then(|| contact_file(&pair, &solver));
@@ -162,25 +154,34 @@ pub fn compute(
     let teeth = teeth.map(|contact| sweeps.teeth(contact, grid.friction));
     let teeth = teeth.transpose()?;
     if let Some(record) = &teeth {
-        let (time, words) = (seconds_since(begin), record.in_words());
-        lines.push(format!("tooth pairs one by one: {time}, {words}"));
-        if record.error.force_rms > LARGE_ERROR {
-            lines.push(format!(
-                "warning: tooth pairs one by one carry {:.1} % rms of the nominal force more or less than they should; for this \
-                 pair build with --contact and set stiffnessModel = contact",
-                100.0 * record.error.force_rms
-            ));
+        let percent = 100.0 * record.error.force_rms;
+        rows! { rows; "tooth pairs one by one" => "{}, {}", seconds_since(begin), record.in_words(); }
+        if percent > LARGE_ERROR {
+            rows! { rows;
+                "warning" => "tooth pairs one by one carry {percent:.1} % rms of the nominal force more or less than they should; for \
+                     this pair build with --contact and set stiffnessModel = contact";
+            }
         }
     }
     let mut contact = at_run_time.filter(|_| contact);
     if let Some(contact) = &mut contact {
         contact.error = Some(sweeps.error_at_run_time(contact)?);
-        let error = run_time_error(contact.error.as_ref());
-        lines.push(format!("contact at run time: {error}"));
+        rows.row(
+            "contact at run time",
+            run_time_error(contact.error.as_ref()),
+        );
     }
     if let Some(note) = pair::note_on_teeth(&pair.teeth) {
-        let note = note_at_build(note, teeth.is_some(), contact.is_some());
-        lines.push(format!("note: {note}"));
+        let table = "`stiffnessModel = table` takes all teeth as alike";
+        let teeth_first = "FMUs start with `stiffnessModel = teeth`, which takes the tooth errors";
+        match (teeth.is_some(), contact.is_some()) {
+            (true, true) => rows! { rows; "note" => "{teeth_first}, as `contact` does; {table}"; },
+            (true, false) => rows! { rows; "note" => "{teeth_first}; {table}"; },
+            (false, true) => {
+                rows! { rows; "note" => "{table}; `stiffnessModel = contact` takes the tooth errors"; }
+            }
+            (false, false) => rows.row("note", note),
+        }
     }
 
     let mut file = TableFile::new(
@@ -195,9 +196,25 @@ pub fn compute(
     file.friction = friction;
     file.root_stress = root_stress;
     file.teeth = teeth;
-    file.solver = settings(&pair, &model, args, quality)?;
+    let modified = [0, 1].map(|i| {
+        let mut rows = Listing::default();
+        modifications(&pair, i, &mut rows);
+        rows.joined("; ", " ")
+    });
+    file.solver = serde_json::from_value(json!({
+        "elastic_model": model.description,
+        "tip_corner_contact": pair.tip_corner_contact,
+        "plane_strain": args.plane_strain,
+        "stations_along_the_face": model.solver.settings().stations,
+        "contact_solves": quality.solves,
+        "most_newton_steps": quality.most_iterations,
+        "newton_steps_allowed": MAXIMUM_ITERATIONS,
+        "largest_kkt_residual": quality.kkt_residual,
+        "modifications_of_gear_1": modified[0],
+        "modifications_of_gear_2": modified[1],
+    }))?;
     file.seal();
-    let text = format!("{}\n  {}", file.size_and_error(), lines.join("\n  "));
+    let text = format!("{}\n  {}", file.size_and_error(), rows.joined("\n  ", ": "));
     Ok(Made {
         file,
         contact,
@@ -219,44 +236,5 @@ fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
         misalignment: range(1),
         nominal_torque: o.nominal_torque,
         maximum_torque: o.maximum_torque,
-    }
-}
-
-/// What the tables file keeps of how it was made.
-fn settings(
-    pair: &Pair,
-    model: &Model,
-    args: &ModelArgs,
-    quality: SolveQuality,
-) -> Result<BTreeMap<String, Value>, Error> {
-    let modifications = |i| {
-        let mut rows = Listing::default();
-        modifications(pair, i, &mut rows);
-        rows.in_one_line()
-    };
-    Ok(serde_json::from_value(json!({
-        "elastic_model": model.description,
-        "tip_corner_contact": pair.tip_corner_contact,
-        "plane_strain": args.plane_strain,
-        "stations_along_the_face": model.solver.settings().stations,
-        "contact_solves": quality.solves,
-        "most_newton_steps": quality.most_iterations,
-        "newton_steps_allowed": MAXIMUM_ITERATIONS,
-        "largest_kkt_residual": quality.kkt_residual,
-        "modifications_of_gear_1": modifications(0),
-        "modifications_of_gear_2": modifications(1),
-    }))?)
-}
-
-/// Which levels of an FMU take the teeth of a pair that differ: `note` where none of those built with `teeth` or `contact` does.
-fn note_at_build(note: &str, teeth: bool, contact: bool) -> String {
-    let table = "`stiffnessModel = table` takes all teeth as alike";
-    let also = if contact { ", as `contact` does" } else { "" };
-    match (teeth, contact) {
-        (true, _) => format!(
-            "FMUs start with `stiffnessModel = teeth`, which takes the tooth errors{also}; {table}"
-        ),
-        (false, true) => format!("{table}; `stiffnessModel = contact` takes the tooth errors"),
-        (false, false) => note.to_owned(),
     }
 }

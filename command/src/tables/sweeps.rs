@@ -7,7 +7,6 @@ use std::sync::atomic::AtomicBool;
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
-
 use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
     RootStressRecord, TeethRecord,
@@ -19,10 +18,10 @@ use gearmesh_preprocessor::table::{
     measure_at_run_time, misalignments, sweep, sweep_sliding, table_within,
 };
 
-use crate::Error;
 use crate::case::load_matrix;
 use crate::model::{Model, ModelArgs};
-use crate::progress::Job;
+use crate::output::Job;
+use crate::{Error, Result};
 
 /// Positions of the mesh cycle at which every corner is solved.
 const POSITIONS: usize = 16;
@@ -50,9 +49,9 @@ impl Sweeps<'_> {
         &self,
         solver: &WatchedSolver<'_>,
         max_error: Option<f64>,
-    ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), Error> {
+    ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError)> {
         let geometry = &self.pair.geometry;
-        let (drive, mut error) = match max_error {
+        let (drive, error) = match max_error {
             None => {
                 let axes = self.with_misalignments(default_axes(self.coverage));
                 self.grid_on(&axes, solver, Flank::Drive)?
@@ -62,17 +61,14 @@ impl Sweeps<'_> {
             })?,
         };
         let coast = self.on_own_coast(|flank| self.grid_on(&drive.axes, solver, flank))?;
-        let coast = coast.map(|(grid, found)| {
-            error = error.with(found);
-            grid
-        });
+        let error = coast.as_ref().map_or(error, |coast| error.with(coast.1));
         if let Some(bound) = max_error.filter(|bound| error.force_rms > *bound) {
             refuse!(
                 "--max-error = {bound}: the best grid has an rms error of {:.5}; ask for no less, or narrow the ranges of the pair file",
                 error.force_rms
             );
         }
-        Ok((drive, coast, error))
+        Ok((drive, coast.map(|(grid, _)| grid), error))
     }
 
     /// The grid of `flank` on `axes`, and its error at random operating points.
@@ -81,7 +77,7 @@ impl Sweeps<'_> {
         axes: &Axes,
         solver: &WatchedSolver<'_>,
         flank: Flank,
-    ) -> Result<(FlankGrid, InterpolationError), Error> {
+    ) -> Result<(FlankGrid, InterpolationError)> {
         let largest = self.coverage.maximum_torque;
         let grid = self.watched("static contact", |watch| {
             sweep(solver, flank, axes, largest, watch)
@@ -94,15 +90,12 @@ impl Sweeps<'_> {
         Ok((grid, error))
     }
 
-    pub fn sliding(&self) -> Result<FrictionRecord, Error> {
+    pub fn sliding(&self) -> Result<FrictionRecord> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_sliding_axes(self.coverage, base_radius);
         let solver = &self.model.solver;
-        let sample = |flank| {
-            self.watched("sliding", |watch| {
-                sweep_sliding(solver, flank, &axes, watch)
-            })
-        };
+        let sweep = |flank, watch: &Watch| sweep_sliding(solver, flank, &axes, watch);
+        let sample = |flank| self.watched("sliding", |watch| sweep(flank, watch));
         Ok(FrictionRecord {
             law: self.pair.friction,
             drive: sample(Flank::Drive)?,
@@ -111,7 +104,7 @@ impl Sweeps<'_> {
         })
     }
 
-    pub fn root_stress(&self) -> Result<RootStressRecord, Error> {
+    pub fn root_stress(&self) -> Result<RootStressRecord> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_root_stress_axes(self.coverage, base_radius);
         let sample = |flank| {
@@ -120,38 +113,28 @@ impl Sweeps<'_> {
                 models: &self.args.fillets(self.pair, flank, self.job)?.maps,
                 flank,
             };
-            self.watched("root stress", |watch| -> Result<_, Error> {
+            self.watched("root stress", |watch| -> Result<_> {
                 let samples = sweep.samples(&axes, watch)?;
                 let table = LoadSpline::new(&axes, &samples, [true; 2])?;
                 let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
                 Ok((samples, error))
             })
         };
-        let (drive, mut error) = sample(Flank::Drive)?;
-        let coast = self.on_own_coast(sample)?.map(|(samples, found)| {
-            error = error.with(found);
-            samples
-        });
+        let (drive, error) = sample(Flank::Drive)?;
+        let coast = self.on_own_coast(sample)?;
+        let error = coast.as_ref().map_or(error, |coast| error.with(coast.1));
         Ok(RootStressRecord {
             drive,
-            coast,
+            coast: coast.map(|(samples, _)| samples),
             interpolation_error: error,
             axes,
         })
     }
 
     /// Adds the stress in the tooth roots to the `contact` at run time that `solver` has.
-    pub fn add_root_stress(
-        &self,
-        contact: &mut ContactFile,
-        solver: &ContactSolver,
-    ) -> Result<(), Error> {
-        let coast = contact.coast.as_mut();
-        for (flank, condensed) in [
-            (Flank::Drive, Some(&mut contact.drive)),
-            (Flank::Coast, coast),
-        ] {
-            let Some(condensed) = condensed else { continue };
+    pub fn add_root_stress(&self, contact: &mut ContactFile, solver: &ContactSolver) -> Result<()> {
+        let flanks = [&mut contact.drive].into_iter().chain(&mut contact.coast);
+        for (condensed, flank) in flanks.zip([Flank::Drive, Flank::Coast]) {
             let maps = self.args.fillets(self.pair, flank, self.job)?.maps;
             Arc::make_mut(condensed).roots = Some(condensed_roots(solver, flank, &maps)?);
         }
@@ -159,7 +142,7 @@ impl Sweeps<'_> {
     }
 
     /// Tooth pairs one by one, their error measured against `contact`.
-    pub fn teeth(&self, contact: &ContactFile, friction: bool) -> Result<TeethRecord, Error> {
+    pub fn teeth(&self, contact: &ContactFile, friction: bool) -> Result<TeethRecord> {
         let sweep = TeethSweep {
             solver: &self.model.solver,
             contact,
@@ -174,7 +157,7 @@ impl Sweeps<'_> {
     }
 
     /// How far `contact` is over the whole range of the pair file from the static contact on more stations.
-    pub fn error_at_run_time(&self, contact: &ContactFile) -> Result<InterpolationError, Error> {
+    pub fn error_at_run_time(&self, contact: &ContactFile) -> Result<InterpolationError> {
         let settings = self.args.contact_settings(self.pair);
         let usual = ContactSettings::for_pair(self.pair).stations;
         let own = settings.stations;
@@ -190,9 +173,11 @@ impl Sweeps<'_> {
                 measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch)
             })
         };
-        let coast = contact.coast.as_ref().map(|_| error(Flank::Coast));
         let drive = error(Flank::Drive)?;
-        Ok(coast.transpose()?.map_or(drive, |coast| drive.with(coast)))
+        match contact.coast {
+            Some(_) => Ok(drive.with(error(Flank::Coast)?)),
+            None => Ok(drive),
+        }
     }
 
     fn with_misalignments(&self, mut axes: Axes) -> Axes {
@@ -201,10 +186,7 @@ impl Sweeps<'_> {
     }
 
     /// `work` on the coast flank where the drive flank's tables do not serve it.
-    fn on_own_coast<R>(
-        &self,
-        work: impl FnOnce(Flank) -> Result<R, Error>,
-    ) -> Result<Option<R>, Error> {
+    fn on_own_coast<R>(&self, work: impl FnOnce(Flank) -> Result<R>) -> Result<Option<R>> {
         let own = !self.pair.coast_mirrors_drive();
         own.then(|| work(Flank::Coast)).transpose()
     }
@@ -213,7 +195,7 @@ impl Sweeps<'_> {
         &self,
         stage: &str,
         work: impl FnOnce(&Watch) -> Result<R, E>,
-    ) -> Result<R, Error> {
+    ) -> Result<R> {
         work(&Watch {
             progress: &|done, total| self.job.show(stage, done as f64 / total as f64),
             cancel: &AtomicBool::new(false),
@@ -223,12 +205,7 @@ impl Sweeps<'_> {
 }
 
 /// Refuses what cannot be solved at a corner of `coverage` on the coarse model, where a finer one is still to be computed.
-pub fn preflight(
-    pair: &Pair,
-    args: &ModelArgs,
-    coverage: &Coverage,
-    job: &Job,
-) -> Result<(), Error> {
+pub fn preflight(pair: &Pair, args: &ModelArgs, coverage: &Coverage, job: &Job) -> Result<()> {
     if pair.refinement == Refinement::Coarse || args.are_cached(pair)? {
         return Ok(());
     }
@@ -238,13 +215,14 @@ pub fn preflight(
 }
 
 /// Solves under the largest torque at the corners of `coverage` and at its nominal state.
-pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Result<(), Error> {
+pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Result<()> {
     let torque = coverage.maximum_torque;
     let nominal = |range: Option<[f64; 2]>| [&[0.0], range.as_slice().as_flattened()].concat();
     let loads = load_matrix(&[torque], &nominal(coverage.misalignment));
-    let flanks = [Flank::Drive, Flank::Coast];
-    let count = if pair.coast_mirrors_drive() { 1 } else { 2 };
-    for flank in flanks.into_iter().take(count) {
+    for flank in [Flank::Drive, Flank::Coast] {
+        if flank == Flank::Coast && pair.coast_mirrors_drive() {
+            continue;
+        }
         for center_distance_offset in nominal(coverage.center_distance_offset) {
             let input = CycleInput {
                 flank,

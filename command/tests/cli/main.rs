@@ -32,6 +32,7 @@ mod inspecting;
 mod interrupt;
 mod models;
 mod new;
+mod refusing;
 mod reporting;
 mod solving;
 mod studying;
@@ -53,6 +54,11 @@ const QUICK: &str = concat!(
     env!("CARGO_TARGET_TMPDIR"),
     "/elastic-models"
 );
+
+/// Options of `new` for a small pair.
+const NEW: &str = "--teeth 24 36 --module-mm 3 --face-width-mm 20 20 --torque-nm 100";
+
+const REXS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rexs");
 
 /// Tables over load and mesh position only.
 const SMALL: &str = "--no-center-distance --no-misalignment";

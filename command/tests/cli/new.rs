@@ -5,7 +5,7 @@ use super::*;
 /// Options for a few pairs.
 const PAIRS: [&str; 5] = [
     "--teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 --helix-angle-deg -29.5",
-    "--teeth 24 36 --module-mm 3 --face-width-mm 20 20 --torque-nm 100",
+    NEW,
     "--teeth 12 70 --module-mm 0.5 --face-width-mm 6 5 --torque-nm 0.4",
     "--teeth 27 84 --module-mm 2 --face-width-mm 20 24 --torque-nm 80 --internal",
     "--teeth 17 103 --module-mm 8 --face-width-mm 100 100 --torque-nm 9000 --pressure-angle-deg 25",
@@ -38,14 +38,6 @@ fn a_new_pair_file_overwrites_nothing_and_without_a_name_goes_to_standard_output
 }
 
 #[test]
-fn a_new_pair_that_cannot_work_or_lacks_a_number_is_refused_by_field() {
-    let new = "new --teeth 23 81 --face-width-mm 30 28 --torque-nm 120 --module-mm";
-    refused!("{new} 0.002"; "normal_module_mm", "0.002 m is 2 mm");
-    refused!("{new} nan"; "'nan' for '--module-mm <MODULE_MM>': give a finite number");
-    refused!("{new} 2 --pressure-angle-deg 0"; "`normal_pressure_angle_deg` = 0");
-}
-
-#[test]
 fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
     for teeth in ["30 50", "40 52", "60 68"] {
         let folder = Folder::new();
@@ -55,34 +47,6 @@ fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
         succeed!("pack --pair {pair} -o {fmu}");
     }
 }
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_is_one_line() {
-    let full = std::fs::File::options().write(true).open("/dev/full");
-    let mut new = command();
-    let new = new.arg("new").args(PAIRS[1].split(' '));
-    let output = new.stdout(full.unwrap()).output().unwrap();
-    refusal(&output, &["standard output", "make room"]);
-}
-
-#[test]
-fn a_disk_that_fills_is_refused_without_the_temporary_name() {
-    let folder = Folder::new();
-    // No file may grow, as on a full disk; the signal that says so is ignored.
-    let output = Command::new("sh")
-        .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$@\"", "sh"])
-        .args([env!("CARGO_BIN_EXE_gearmesh"), "new", "-o"])
-        .arg(folder.path("pair.json"))
-        .args(PAIRS[1].split(' '))
-        .output()
-        .unwrap();
-    refusal(&output, &["pair.json"]);
-    assert!(!text(&output.stderr).contains(".gearmesh-"));
-    assert_eq!(folder.count(""), 0);
-}
-
-const REXS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rexs");
 
 #[test]
 fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and_left() {
@@ -131,13 +95,4 @@ fn a_ring_in_rexs_json_keeps_the_sign_of_iso_21771() {
         r#""root_diameter_mm": 173.8"#,
         r#""meshing": "internal""#
     );
-}
-
-#[test]
-fn a_rexs_file_that_lacks_or_leaves_open_what_is_needed_is_refused_by_name() {
-    let stages = format!("new --rexs {REXS}/stages.rexsj");
-    refused!("{stages}"; "2 cylindrical stages: 1 (Planet and ring), 4 (Second)");
-    refused!("{stages} --stage 7"; "--stage = 7");
-    refused!("{stages} --stage 4"; "gear2.face_width_mm");
-    refused!("new --rexs {REXS}/../../Cargo.toml"; "no REXS file");
 }

@@ -89,27 +89,3 @@ fn the_report_shows_the_torques_asked_for_and_the_pressure_that_solve_gives() {
     }
     assert!(!html.contains("<td>100</td>"));
 }
-
-#[test]
-fn a_number_is_refused_by_the_option_that_gave_it() {
-    let folder = Folder::new();
-    let out = folder.path("out");
-    refused!("report {PAPER} -o {out} --largest-speed-rpm 0"; "'0' for '--largest-speed-rpm <SPEED>': give a value from 1");
-    let torque = "'-5' for '--torques-nm <TORQUES>': give 0 or a value from 1e-9 to 1e9\n";
-    refused!("report {PAPER} -o {out} --torques-nm=50,-5"; torque);
-    refused!("study {PAPER} -o {out} --torque-nm=-5"; torque);
-    assert!(!folder.exists("out"));
-}
-
-#[test]
-fn a_file_or_folder_that_cannot_be_made_is_named_with_what_was_tried() {
-    let folder = Folder::new();
-    let below = format!("{}/below", folder.write("file", ""));
-    let page = folder.path("page.html");
-    let failed = format!(" = {below}: making this folder failed: ");
-    refused!("solve -o {below} {PAPER}"; "--output", &failed);
-    refused!("study -o {below} --vary torque_nm=1..5 {PAPER}"; "--output", &failed);
-    refused!("report -o {page} --figures {below} {PAPER}"; "--figures", &failed);
-    refused!("report {PAPER} -o {below}/page.html"; &below);
-    assert!(!folder.exists("page.html"));
-}

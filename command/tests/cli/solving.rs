@@ -19,8 +19,7 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     }
     let ste = numbers(&json["ste_loa_um"]);
     let value = |key: &str| number(&json[key]);
-    let least = ste.iter().copied().fold(f64::MAX, f64::min);
-    let span = largest(ste.iter().copied()) - least;
+    let span = largest(ste.clone()) + largest(ste.iter().map(|ste| -ste));
     let lost = 0.05 * value("loss_factor");
     let even = value("loss_factor_ohlendorf") / value("loss_factor");
     for (found, expected, within) in [
@@ -34,8 +33,15 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     ] {
         assert!((found - expected).abs() < within, "{found} {expected}");
     }
-    assert_eq!(json["harmonics_loa_um"].as_array().unwrap().len(), 10);
+    // Those that twelve positions cannot tell apart are null.
+    let harmonics = json["harmonics_loa_um"].as_array().unwrap();
+    assert_eq!(harmonics.len(), 10);
+    for (i, harmonic) in harmonics.iter().enumerate() {
+        assert_eq!(harmonic.is_null(), i >= 5, "{i}");
+    }
     assert!(value("solve_seconds") > 0.0);
+    // Three-dimensional teeth on a held bore give way by some micrometres, not by none.
+    assert!(value("mean_ste_loa_um") > 5.0 && value("mean_ste_loa_um") < 20.0);
     // The constant coefficient that the pair file has by default.
     for coefficient in numbers(&json["friction_coefficient"]) {
         assert!((coefficient - 0.05).abs() < 1e-15);
@@ -49,6 +55,9 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let text = succeed!("solve {PAPER} --torque-nm 100 --positions 12 {QUICK}");
     let shown = format!("{:.4} um", value("mean_ste_loa_um"));
     contains!(text, &shown);
+    // Both flanks of this pair are alike.
+    let coast = solve_json("--torque-nm 100 --positions 12 --flank coast");
+    assert!((number(&coast["mean_ste_loa_um"]) - value("mean_ste_loa_um")).abs() < 1e-6);
 }
 
 #[test]
@@ -60,9 +69,8 @@ fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
                 "law": law, "dynamic_viscosity_mpa_s": 20, "roughness_ra_um": [0.4, 0.4],
             });
         });
-        let json = json(succeed!(
-            "solve {pair} --positions 8 --json --torque-nm 100 --speed-rpm 1000 {QUICK}"
-        ));
+        let options = format!("--positions 8 --json --torque-nm 100 --speed-rpm 1000 {QUICK}");
+        let json = json(succeed!("solve {pair} {options}"));
         let factor = number(&json["loss_factor"]) * numbers(&json["friction_coefficient"])[0];
         let product = factor * 100.0 * 1000.0 * TAU / 60.0;
         let ratio = numbers(&json["loss_w"])[0] / product;
@@ -215,7 +223,7 @@ fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
 }
 
 #[test]
-fn the_error_is_estimated_from_another_refinement() {
+fn the_error_is_estimated_from_another_refinement_and_that_of_nothing_is_none() {
     let text = succeed!("solve {PAPER} --estimate-error --root-stress {QUICK}");
     let (solved, estimate) = text.split_once("estimated error").expect(&text);
     contains!(solved, "time for the model of the fillets");
@@ -226,24 +234,15 @@ fn the_error_is_estimated_from_another_refinement() {
     );
     // docs/validation.md: coarse is 0.3 % and some percent of a small swing away; docs/root-stress.md: some percent.
     // The refinements have segments of different lengths, which K_Hbeta does not feel.
-    let names = [
-        "mean STE",
-        "p-p STE",
-        "root stress 1",
-        "root stress 2",
-        "K_Hbeta",
-    ];
-    for (name, most) in names.into_iter().zip([1.0, 10.0, 5.0, 5.0, 2.0]) {
+    let names = "mean STE,p-p STE,root stress 1,root stress 2,K_Hbeta";
+    for (name, most) in names.split(',').zip([1.0, 10.0, 5.0, 5.0, 2.0]) {
         let words = line(estimate, name).split_whitespace();
         let percent: f64 = words.rev().nth(1).unwrap().parse().unwrap();
         assert!(percent != 0.0 && percent.abs() < most, "{name}: {percent}");
     }
-}
 
-#[test]
-fn an_error_of_nothing_is_none() {
+    // An error of nothing is none; a load that is none does not hide the other.
     let pair = concat!(pairs!(), "palermo2013-unmodified.json");
-    // A load that is none does not hide the other.
     for (torques, is_none) in [("0", true), ("0,100", false)] {
         let options = format!("--estimate-error --torque-nm {torques} --positions 4 {QUICK}");
         let text = succeed!("solve {pair} {options}");
@@ -252,44 +251,4 @@ fn an_error_of_nothing_is_none() {
         let pressure = line(estimate, "p_max");
         assert_eq!(pressure.contains("none"), is_none, "{estimate}");
     }
-}
-
-#[test]
-fn harmonics_that_the_positions_cannot_tell_apart_are_null() {
-    let json = solve_json("--positions 4");
-    let harmonics = json["harmonics_loa_um"].as_array().unwrap();
-    assert!(harmonics[0].is_f64());
-    assert!(harmonics[1..].iter().all(Value::is_null));
-}
-
-#[test]
-fn the_sign_of_the_misalignment_moves_the_contact_to_that_side() {
-    let z = |mrad: i32| {
-        let json = solve_json(&format!("--positions 8 --misalignment-mrad {mrad}"));
-        mean(&numbers(&json["contact_z_mm"]))
-    };
-    // Mid-face is at 12.5 mm; M > 0 closes the side of larger z.
-    assert!(z(-1) < 12.0 && z(1) > 13.0);
-}
-
-#[test]
-fn the_coast_flank_of_a_symmetric_pair_is_as_stiff_as_the_drive_flank() {
-    let [drive, coast] = ["drive", "coast"].map(|flank| {
-        let json = solve_json(&format!("--positions 8 --flank {flank}"));
-        number(&json["mean_ste_loa_um"])
-    });
-    assert!((drive - coast).abs() < 1e-6);
-}
-
-#[test]
-fn an_operating_point_that_cannot_be_is_refused_by_name() {
-    let solve = format!("solve {PAPER} {QUICK}");
-    // No option of this name, but a value.
-    refused!("{solve} --torque-nm -10"; "'-10' for '--torque-nm", "--flank coast");
-    // A torque that rounding outweighs, too.
-    for torque in ["nan", "1e-20", "1e300", "much"] {
-        refused!("{solve} --torque-nm={torque}"; &format!("'{torque}' for '--torque-nm <TORQUE_NM>': give 0 or a value from 1e-9 to 1e9"));
-    }
-    // Tips meet roots.
-    refused!("{solve} --center-distance-offset-um -2500"; "center_distance_offset", "root of its mate");
 }

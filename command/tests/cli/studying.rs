@@ -73,28 +73,6 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
 }
 
 #[test]
-fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
-    let folder = Folder::new();
-    let out = folder.path("study");
-    let study = format!("study {PAPER} -o {out}");
-    refused!("{study} --vary gear1.lead_slop_um=0..1"; "lead_slop_um");
-    refused!("{study} --vary gear1.bore_diameter_mm=28..30"; "teeth");
-    refused!("{study} --vary gear1.lead_crowning_um=-5..5"; "lead_crowning_um");
-    refused!("{study} --vary misalignment_mrad=0..90"; "--vary misalignment_mrad = 90:");
-    refused!("{study} --vary misalignment_mrad=0..1e300"; "--vary misalignment_mrad = 1e300: give");
-    refused!("{study} --vary torque_nm=-5..5"; "--vary torque_nm = -5: give");
-    refused!("{study} --vary torque_nm=50..100/3"; "give them as --torques-nm");
-    refused!("{study} --vary operating.nominal_torque_nm=+-50"; "vary modifications");
-    refused!("{study} --vary friction.coefficient=0.01..0.2"; "vary modifications");
-    refused!("{study} --vary gear1.coast_flank.lead_slope_um=0..5"; "drive flank");
-    refused!("{study}"; "--iso-1328-class");
-    refused!("{study} --iso-1328-class Q6"; "'Q6' for '--iso-1328-class <CLASS>': give a class from 1 to 11, a bare number");
-    // Two positions have no harmonic.
-    refused!("{study} --iso-1328-class 6 --positions 2"; "'2' for '--positions <POSITIONS>': give a value from 3");
-    assert!(!folder.exists("study"));
-}
-
-#[test]
 fn the_start_of_a_relief_is_varied_in_any_form_that_the_pair_file_allows() {
     let folder = Folder::new();
     let out = folder.path("study");

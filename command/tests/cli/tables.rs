@@ -14,17 +14,6 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
 }
 
 #[test]
-fn options_of_tables_that_cannot_be_are_refused_by_name() {
-    let folder = Folder::new();
-    let out = folder.path("out");
-    // However root stress is requested.
-    refused!("build --plane-strain --set rootStress=true {PAPER} -o {out}"; "leave out `rootStress` or --plane-strain");
-    refused!("tables --max-error 0 {PAPER} -o {out}"; "--max-error");
-    refused!("pack --tables {PAPER} -o {out}"; "`--pair`");
-    assert!(!folder.exists("out"));
-}
-
-#[test]
 fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     let folder = Folder::new();
     let [tables, packed, built] = folder.paths(["tables.json", "packed.fmu", "bü%20ilt.fmu"]);
@@ -32,11 +21,8 @@ fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     succeed!("pack --tables {tables} -o {packed}");
     let made = succeed!("build {PAPER} -o {built} {SMALL} {QUICK}");
     let [tabulated, packed, built] = [tables, packed, built].map(|file| succeed!("inspect {file}"));
-    contains!(
-        made,
-        "teeth: each thinned by 0.1 um",
-        "note: at a centre distance offset of -100 um"
-    );
+    contains!(made, "teeth: each thinned by 0.1 um");
+    contains!(made, "note: at a centre distance offset of -100 um");
     contains!(tabulated, "1 misalignment x", "rms");
     contains!(built, "time of one evaluation", "table: error at");
     // The GUID is that of the contents.
@@ -45,11 +31,7 @@ fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     assert_eq!(folder.count(""), 3);
 
     let text = folder.read("tables.json");
-    let mut altered = text.clone();
-    for colon in [":", ": "] {
-        let torque = format!("\"maximum_torque_nm\"{colon}20");
-        altered = altered.replacen(&format!("{torque}0"), &format!("{torque}1"), 1);
-    }
+    let altered = text.replacen("\"maximum_torque_nm\":200", "\"maximum_torque_nm\":201", 1);
     assert_ne!(text, altered);
     let altered = folder.write("altered.json", altered);
     let fmu = folder.path("altered.fmu");
@@ -113,26 +95,6 @@ fn tooth_pairs_one_by_one_are_what_their_unit_starts_with_and_refuse_teeth_of_th
     );
     let start = line(&shown, "start: stiffnessModel");
     assert!(start.ends_with(" teeth"), "{start}");
-}
-
-#[test]
-fn what_is_read_is_not_written_over() {
-    let folder = Folder::new();
-    let pair = folder.pair(|_| ());
-    let before = folder.read("pair.json");
-    let tables = folder.write("tables.json", "tables");
-    // By another name, too.
-    let link = folder.path("link.json");
-    std::os::unix::fs::symlink(&pair, &link).unwrap();
-    for output in [&pair, &link] {
-        for command in "pack --pair|tables|build|report|import none.csv --pair".split('|') {
-            refused!("{command} {pair} -o {output}"; "which is read");
-        }
-    }
-    let report = format!("report {PAPER} --tables {tables} -o {tables}");
-    refused(report, &["which is read"]);
-    assert_eq!(folder.read("pair.json"), before);
-    assert_eq!(folder.read("tables.json"), "tables");
 }
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -213,9 +213,13 @@ impl MeshCycle {
         pairs
     }
 
-    /// Load along the face whose ends are `ends` (m in gear 1's frame), in `stations` equal pieces, those of the
-    /// solver; `cos_base_helix` turns normal forces into those in the transverse plane.
-    pub fn face_load(&self, ends: [f64; 2], stations: usize, cos_base_helix: f64) -> FaceLoad {
+    /// Load along the common face in the stations of `solver`.
+    pub fn face_load(&self, solver: &ContactSolver) -> FaceLoad {
+        let (low, width) = solver.geometry().face_overlap();
+        let ends = [low, low + width];
+        // Turns normal forces into those in the transverse plane.
+        let cos_base_helix = solver.geometry().base_helix_angle().cos();
+        let stations = solver.settings().stations;
         let step = (ends[1] - ends[0]) / stations as f64;
         let mut load = vec![0.0; stations];
         for segment in self.results.iter().flat_map(|result| &result.segments) {

@@ -11,14 +11,6 @@ pub(crate) struct Lanes {
     avx: bool,
 }
 
-/// A long computation that the compiler is to make once for each kind of registers: of a closure it would share one.
-pub(crate) trait Work {
-    /// What comes out.
-    type Output;
-    /// To be marked `inline(always)`, as all that it calls.
-    fn run(self) -> Self::Output;
-}
-
 impl Lanes {
     /// Two lanes, which every x86-64 has; other processors in their own way.
     pub const COMMON: Lanes = Lanes { avx: false };
@@ -38,8 +30,8 @@ impl Lanes {
         self.avx
     }
 
-    /// `work`, compiled for these registers with all that is inlined into it. The registers that it gets are a constant
-    /// there.
+    /// `work`, compiled for these registers with all that is inlined into it; a long closure is to be marked `inline(always)`, as
+    /// all that it calls: else both kinds of registers share one. The registers that it gets are a constant there.
     #[inline(always)]
     pub fn run<T>(self, work: impl FnOnce(Lanes) -> T) -> T {
         #[cfg(target_arch = "x86_64")]
@@ -54,23 +46,6 @@ impl Lanes {
             return unsafe { compiled(work) };
         }
         work(Lanes::COMMON)
-    }
-
-    /// `work`, likewise.
-    #[inline(always)]
-    pub fn run_long<W: Work>(self, work: W) -> W::Output {
-        #[cfg(target_arch = "x86_64")]
-        if self.avx {
-            #[target_feature(enable = "avx")]
-            #[allow(unsafe_code)]
-            fn compiled<W: Work>(work: W) -> W::Output {
-                work.run()
-            }
-            // Safety: only `widest` sets `avx`, after it has looked.
-            #[allow(unsafe_code)]
-            return unsafe { compiled(work) };
-        }
-        work.run()
     }
 
     /// `sum` += `factor` `row`.

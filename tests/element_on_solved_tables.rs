@@ -24,35 +24,12 @@ use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+#[path = "common/element.rs"]
+mod element;
 #[path = "common/solver.rs"]
 mod solver;
+use element::{FORMULATIONS, at, spun, undamped};
 use solver::{QUIET, coarse_solver, with_stations};
-
-/// Both formulations.
-const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
-
-/// Constant stiffness without damping.
-fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
-    Parameters {
-        formulation,
-        loaded_flank,
-        damping: 0.0,
-        ..Parameters::default()
-    }
-}
-
-/// Loads at `inputs` with the phases of the nominal pose.
-fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
-    element.evaluate(&phase, inputs).unwrap()
-}
-
-/// Gear `i` turned by `angle` about its own axis.
-fn spun(inputs: &Inputs, i: usize, angle: f64) -> Inputs {
-    let mut out = *inputs;
-    out.gears[i].r *= Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
-    out
-}
 
 /// The nominal pose with gear 1, of `geometry`, turned so far that its flank `s` is compressed by `delta` (m, line of action) against the
 /// touching pose.
@@ -264,6 +241,28 @@ fn friction_of_one_spur_tooth_pair_has_the_lengths_of_roll_as_arms() {
     }
 }
 
+/// Derivatives of the outputs by a `freedom` of gear 2 (position, then rotation): exact ones, and by differences.
+fn slopes(element: &Element, inputs: &Inputs, freedom: usize) -> [[f64; CONTINUOUS_OUTPUTS]; 2] {
+    let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
+    let mut jacobian = Jacobian::zeros();
+    element.jacobian(&phase, inputs, &mut jacobian).unwrap();
+    let step = 1e-8;
+    let [up, down] = [step, -step].map(|step| {
+        let mut inputs = *inputs;
+        let direction = Vector3::ith(freedom % 3, step);
+        match freedom < 3 {
+            true => inputs.gears[1].p += direction,
+            false => inputs.gears[1].r = Rotation3::new(direction).matrix() * inputs.gears[1].r,
+        }
+        element.evaluate(&phase, &inputs).unwrap().to_array()
+    });
+    let differences = std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step));
+    [
+        jacobian.column(BODY_COLUMNS + freedom).into_owned().into(),
+        differences,
+    ]
+}
+
 /// Derivatives under friction are those of differences, at the levels that find sliding themselves.
 #[test]
 fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
@@ -273,22 +272,13 @@ fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
     );
     for level in [StiffnessModel::Teeth, StiffnessModel::Contact] {
         let element = real.element(level, true);
-        let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
         for cycles in [0.13, 0.62] {
             let inputs = real.turning(&element, cycles, 30.0);
-            let mut jacobian = Jacobian::zeros();
-            element.jacobian(&phase, &inputs, &mut jacobian).unwrap();
-            let slopes = jacobian.column(BODY_COLUMNS + 5); // gear 2 about z
-            let step = 1e-8;
-            let [up, down] = [step, -step].map(|step| {
-                let out = element.evaluate(&phase, &spun(&inputs, 1, step)).unwrap();
-                out.to_array()
-            });
+            let [slopes, differences] = slopes(&element, &inputs, 5);
             // Forces, moments and power of friction.
             for i in (0..12).chain([26]) {
-                let slope = (up[i] - down[i]) / (2.0 * step);
                 let size = slopes[i].abs().max(1e-3 * slopes[0].abs());
-                assert_abs_diff_eq!(slopes[i], slope, epsilon = 2e-3 * size);
+                assert_abs_diff_eq!(slopes[i], differences[i], epsilon = 2e-3 * size);
             }
         }
     }
@@ -397,33 +387,12 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     }
     assert!(compared > 40 && largest < 0.05, "{compared} {largest}");
     let element = level(Formulation::Conjugate, StiffnessModel::Contact, &contact).unwrap();
-    let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
     let inputs = compressed(geometry, &element, 1.0, 14e-6);
-    let mut jacobian = Jacobian::zeros();
-    element.jacobian(&phase, &inputs, &mut jacobian).unwrap();
-    // Gear 2 along the line of centres, about it and about its axis.
-    for (freedom, turns) in [(0, false), (3, true), (5, true)] {
-        let step = 1e-8;
-        let [up, down] = [step, -step].map(|step| {
-            let mut inputs = inputs;
-            match turns {
-                false => inputs.gears[1].p[freedom] += step,
-                true => {
-                    let mut turn = Vector3::zeros();
-                    turn[freedom - 3] = step;
-                    inputs.gears[1].r = Rotation3::new(turn).matrix() * inputs.gears[1].r;
-                }
-            }
-            element.evaluate(&phase, &inputs).unwrap().root_stress
-        });
-        let slopes = jacobian.column(BODY_COLUMNS + freedom);
-        for i in 0..2 {
-            let slope = (up[i] - down[i]) / (2.0 * step);
-            assert_relative_eq!(
-                slopes[CONTINUOUS_OUTPUTS - 2 + i],
-                slope,
-                max_relative = 5e-3
-            );
+    // Along the line of centres, about it and about the axis.
+    for freedom in [0, 3, 5] {
+        let [slopes, differences] = slopes(&element, &inputs, freedom);
+        for i in [CONTINUOUS_OUTPUTS - 2, CONTINUOUS_OUTPUTS - 1] {
+            assert_relative_eq!(slopes[i], differences[i], max_relative = 5e-3);
         }
     }
     let refused = level(Formulation::Conjugate, StiffnessModel::Contact, &without);

@@ -76,8 +76,8 @@ impl Case {
 
     /// Share of the transmitted power that is lost at a coefficient of friction of 1.
     pub fn loss_factor(&self, solver: &ContactSolver) -> f64 {
-        let sliding = Sliding::mean(&self.cycle.sliding);
-        loss_factor_of(solver.geometry(), sliding.distance)
+        let distance = Sliding::mean_distance(&self.cycle.sliding);
+        loss_factor_of(solver.geometry(), distance)
     }
 }
 

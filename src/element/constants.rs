@@ -1,6 +1,6 @@
 //! Numbers of a pair that never change, worked out once.
 
-use super::error::ElementError;
+use super::motion::ElementError;
 use super::parameters::Parameters;
 use crate::gear::{Flank, PairGeometry, involute};
 use crate::root::bisection;
@@ -84,11 +84,9 @@ impl Constants {
             .map_or(nominal_backlash, |j| j * phi.cos());
         let half_pitch = 0.5 * pair.base_pitch();
         if backlash >= half_pitch {
-            return Err(ElementError::Parameter {
-                name: "backlash",
-                value: format!("{} m", number(backlash / phi.cos())),
-                remedy: "give a backlash in metres, well below half a pitch",
-            });
+            let value = format!("{} m", number(backlash / phi.cos()));
+            let remedy = "give a backlash in metres, well below half a pitch";
+            return Err(ElementError::parameter("backlash", &value, remedy));
         }
         // H = sum kappa rb (inv - psi) is half the backlash up to whole half pitches: at zero angles a tooth
         // may face a tooth. Those go into the tooth angle, so that the gap is centred on it.
@@ -158,7 +156,7 @@ impl Constants {
 /// The base circles overlap (external) or do not contain one another (internal) at the centre distance `c`, m.
 #[cold]
 fn no_line_of_action(c: f64, limit: f64, nominal: f64) -> ElementError {
-    ElementError::Pose(format!(
+    ElementError(format!(
         "centre distance {} mm is below {} mm, where the base circles leave no common tangent; move the gears apart or check \
          which gear is which (with gear 1 at the origin gear2.position[1] starts as {} m: a host that fills all inputs with \
          zeros must set it)",

@@ -9,14 +9,13 @@
 
 use super::constants::{Constants, FLANKS};
 use super::dual::{Scalar, fraction, lift, whole_turns, wrap};
-use super::error::ElementError;
 use super::kinematics::{Coordinates, Map};
 use super::law::{Extras, Workspace};
-use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
+use super::motion::{ElementError, Inputs, Motion, Outputs, PhaseOffset};
 use super::paper::Carried;
 use super::{Element, Formulation, Parameters};
 use crate::gear::teeth::Counts;
-use crate::table::{Effects, LoadJet, Table};
+use crate::table::{Effects, LoadJet, LoadSpline, Table};
 use nalgebra::Vector3;
 
 /// A pose as the formulation sees it.
@@ -131,24 +130,26 @@ impl<T: Scalar> FlankLoad<T> {
         self.elastic + self.damping
     }
 
-    /// Where tables over the load are looked up: elastic force, centre distance offset (m), misalignment and mesh position,
-    /// without the `effects` that are off; `mirrored`: those of the drive flank, for the coast flank.
+    /// The quantities of a table over elastic force, centre distance offset (m), misalignment and mesh position, without the
+    /// `effects` that are off. `mirrored`: the table is that of the drive flank, and this the coast flank.
     #[inline(always)]
-    pub(crate) fn table_coordinates(
+    pub(crate) fn tabulated<const N: usize>(
         &self,
+        (table, mirrored): (&LoadSpline, bool),
         effects: &Effects,
         center_distance_offset: T,
-        mirrored: bool,
-    ) -> [T; 4] {
+    ) -> [T; N] {
         let zero = T::from(0.0);
         let if_on = |effect: bool, x: T| if effect { x } else { zero };
         let sign = if mirrored { -1.0 } else { 1.0 };
-        [
+        let q = [
             self.elastic,
             if_on(effects.center_distance, center_distance_offset),
             if_on(effects.misalignment, self.misalignment * sign),
             self.mesh_position,
-        ]
+        ];
+        let jets: [LoadJet; N] = table.evaluate(q.map(T::re));
+        jets.map(|jet| lift(jet.value, &jet.gradient, &q))
     }
 }
 
@@ -435,14 +436,13 @@ fn tabulated_root_stress<T: Scalar>(
         if load.elastic.re() <= 0.0 {
             continue;
         }
-        let Some((stress, mirrored)) = table.root_stress(flank) else {
+        let Some(stress) = table.root_stress(flank) else {
             continue;
         };
         let offset = center_distance - k.center_distance;
-        let q = load.table_coordinates(table.effects(), offset, mirrored);
-        let jets: [LoadJet; 2] = stress.evaluate(q.map(T::re));
-        for (largest, jet) in largest.iter_mut().zip(&jets) {
-            *largest = larger(*largest, lift(jet.value, &jet.gradient, &q));
+        let stress: [T; 2] = load.tabulated(stress, table.effects(), offset);
+        for (largest, stress) in largest.iter_mut().zip(stress) {
+            *largest = larger(*largest, stress);
         }
     }
     largest

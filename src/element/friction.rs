@@ -12,12 +12,12 @@
 
 use super::constants::{Constants, FLANKS};
 use super::contact::FlankLoad;
-use super::dual::{Scalar, lift};
+use super::dual::Scalar;
 use super::kinematics::{Map, Spatial};
 use super::parameters::Parameters;
 use crate::friction::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED};
 use crate::gear::PairGeometry;
-use crate::table::{LoadJet, Table};
+use crate::table::Table;
 use std::sync::Arc;
 
 /// Over the largest weight of a table: least one that the sliding distance is divided by, a hundred times what samples are
@@ -92,9 +92,7 @@ impl Friction {
     ) -> Option<[T; 4]> {
         let table = self.table.as_ref()?;
         let (sliding, mirrored) = table.sliding(FLANKS[i])?;
-        let q = load.table_coordinates(table.effects(), offset, mirrored);
-        let jets: [LoadJet; 4] = sliding.evaluate(q.map(T::re));
-        let mut all = jets.map(|jet| lift(jet.value, &jet.gradient, &q));
+        let mut all = load.tabulated((sliding, mirrored), table.effects(), offset);
         if mirrored {
             all[1] = -all[1];
         }

@@ -5,10 +5,9 @@
 use super::Element;
 use super::contact::Solution;
 use super::dual::{Dual, part};
-use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, PhaseOffset};
-use crate::vector::{Lanes, Work};
+use super::motion::{CONTINUOUS_OUTPUTS, ElementError, Inputs, PhaseOffset};
+use crate::vector::Lanes;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Columns of one body in [`Jacobian`]: position, rotation, velocity, angular velocity.
@@ -62,57 +61,35 @@ impl Element {
         jacobian: &mut Jacobian,
         workspace: &mut Workspace,
     ) -> Result<(), ElementError> {
-        inputs.check(self.with_carrier())?;
-        let phase = match phase {
+        self.check(inputs)?;
+        let phase: PhaseOffset<Dual> = match phase {
             Some(phase) => PhaseOffset {
                 tooth_angle: phase.tooth_angle.into(),
                 mesh_position: phase.mesh_position.into(),
             },
             None => self.phases(inputs)?,
         };
-        Lanes::widest().run_long(Filling {
-            element: self,
-            phase: &phase,
-            inputs,
-            stiffness_slopes,
-            jacobian,
-            workspace,
-        })
-    }
-}
-
-/// One Jacobian to be filled.
-struct Filling<'a> {
-    element: &'a Element,
-    phase: &'a PhaseOffset<Dual>,
-    inputs: &'a Inputs,
-    stiffness_slopes: bool,
-    jacobian: &'a mut Jacobian,
-    workspace: &'a mut Workspace,
-}
-
-impl Work for Filling<'_> {
-    type Output = Result<(), ElementError>;
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
-        let (inputs, stiffness) = (self.inputs, self.stiffness_slopes);
-        let solution = Solution::new(self.element, self.phase, inputs, stiffness, self.workspace)?;
-        let rows = solution.outputs.to_array();
-        let columns = &mut self.jacobian.data.0;
-        for lane in 0..12 {
-            for (slope, y) in columns[GEAR_2 + lane].iter_mut().zip(&rows) {
-                *slope = y.eps[part::POSITION_2 + lane];
-            }
-            columns[CARRIER + lane].fill(0.0);
-        }
-        for axis in 0..3 {
-            for (slope, y) in columns[CARRIER + ROTATION + axis].iter_mut().zip(&rows) {
-                *slope = y.eps[part::CARRIER_ROTATION + axis];
-            }
-        }
-        by_gear_1(self.jacobian, &rows.each_ref().map(|y| y.re), inputs);
-        Ok(())
+        Lanes::widest().run(
+            #[inline(always)]
+            |_| {
+                let solution = Solution::new(self, &phase, inputs, stiffness_slopes, workspace)?;
+                let rows = solution.outputs.to_array();
+                let columns = &mut jacobian.data.0;
+                for lane in 0..12 {
+                    for (slope, y) in columns[GEAR_2 + lane].iter_mut().zip(&rows) {
+                        *slope = y.eps[part::POSITION_2 + lane];
+                    }
+                    columns[CARRIER + lane].fill(0.0);
+                }
+                for axis in 0..3 {
+                    for (slope, y) in columns[CARRIER + ROTATION + axis].iter_mut().zip(&rows) {
+                        *slope = y.eps[part::CARRIER_ROTATION + axis];
+                    }
+                }
+                by_gear_1(jacobian, &rows.each_ref().map(|y| y.re), inputs);
+                Ok(())
+            },
+        )
     }
 }
 

@@ -31,8 +31,7 @@
 use super::Formulation;
 use super::constants::{Constants, behind};
 use super::dual::{Scalar, angles, cross, dot, lift, part, scaled, shifted, turned};
-use super::error::ElementError;
-use super::motion::Motion;
+use super::motion::{ElementError, Motion};
 use nalgebra::Vector3;
 
 /// Largest angle between the axes, rad. The misalignment enters to first order (residual C tilt^2),
@@ -387,7 +386,7 @@ pub(crate) fn check_tilt(body: &str, reference: &str, cosine: f64) -> Result<(),
 #[cold]
 fn tilted(body: &str, reference: &str, cosine: f64) -> ElementError {
     let [tilt, limit] = [cosine.clamp(-1.0, 1.0).acos(), TILT_LIMIT].map(f64::to_degrees);
-    ElementError::Pose(format!(
+    ElementError(format!(
         "the axis of {body} is tilted by {tilt:.3} deg against {reference}; the element holds up to {limit:.1} deg and both z \
          axes must point alike"
     ))

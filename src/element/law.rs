@@ -1,7 +1,7 @@
 //! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
 
 use super::dual::{Scalar, lift};
-use super::error::ElementError;
+use super::motion::ElementError;
 use crate::contact::{ContactError, ContactFile, RuntimeContact, Warm};
 use crate::friction::Sliding;
 use crate::gear::Flank;
@@ -32,16 +32,6 @@ pub trait Elasticity: Send + Sync {
     fn tells_teeth_apart(&self) -> bool {
         false
     }
-}
-
-/// The elastic laws of the drive flank and the coast flank.
-#[derive(Clone)]
-pub struct FlankLaws {
-    /// Drive flank.
-    pub drive: Arc<dyn Elasticity>,
-    /// Coast flank; `None`: that of the drive flank, mirrored (M -> -M, z_c - z_ref -> -(z_c - z_ref)),
-    /// which is exact where the microgeometry is mirror-symmetric.
-    pub coast: Option<Arc<dyn Elasticity>>,
 }
 
 impl Elasticity for FlankTable {
@@ -152,29 +142,18 @@ impl Law {
     }
 
     /// `flank` of `file`, or the drive flank mirrored where that is all it holds.
-    pub(crate) fn contact(file: &ContactFile, flank: Flank, effects: Effects) -> Option<Self> {
+    pub(crate) fn contact(file: &ContactFile, flank: Flank, effects: Effects) -> Self {
         let own = file.flank(flank);
         let mirrored = own.is_none();
-        let mut contact = own.or_else(|| file.flank(Flank::Drive))?;
+        let drive = || file.flank(Flank::Drive).expect("every file has it");
+        let mut contact = own.unwrap_or_else(drive);
         if effects.friction {
             contact = contact.with_friction();
         }
         if effects.root_stress {
             contact = contact.with_root_stress();
         }
-        Some(Self::new(
-            Source::Contact(Arc::new(contact)),
-            mirrored,
-            effects,
-        ))
-    }
-
-    /// `flank` of the laws of a caller.
-    pub(crate) fn custom(laws: &FlankLaws, flank: Flank, effects: Effects) -> Self {
-        let coast = laws.coast.as_ref().filter(|_| flank == Flank::Coast);
-        let mirrored = flank == Flank::Coast && coast.is_none();
-        let law = coast.unwrap_or(&laws.drive).clone();
-        Self::new(Source::Custom(law), mirrored, effects)
+        Self::new(Source::Contact(Arc::new(contact)), mirrored, effects)
     }
 
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC) with the mesh cycles that
@@ -304,12 +283,12 @@ impl Law {
                 let solved = solved_potential(contact, at, counts, want_hessian, warm, found);
                 solved.map_err(|error| {
                     let reason = format!("stiffnessModel = contact finds no loads: {error}");
-                    ElementError::NoPotential(reason)
+                    ElementError(reason)
                 })?
             }
             Source::Custom(law) => law
                 .evaluate(&query, counts, want_hessian)
-                .map_err(ElementError::NoPotential)?,
+                .map_err(ElementError)?,
         })
     }
 

@@ -35,7 +35,6 @@
 mod constants;
 mod contact;
 mod dual;
-mod error;
 mod friction;
 mod jacobian;
 mod kinematics;
@@ -48,10 +47,9 @@ mod start;
 
 pub use crate::table::Interpolation;
 pub use dual::Scalar;
-pub use error::ElementError;
 pub use jacobian::{BODY_COLUMNS, Direction, Jacobian};
-pub use law::{Elasticity, FlankLaws, Workspace};
-pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Motion, Outputs, PhaseOffset};
+pub use law::{Elasticity, Workspace};
+pub use motion::{CONTINUOUS_OUTPUTS, ElementError, Inputs, Motion, Outputs, PhaseOffset};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
 
@@ -89,19 +87,23 @@ pub struct Element {
 }
 
 impl Element {
-    /// The element of `pair` with `parameters`, under the laws of `laws` (drive, coast) whatever
-    /// [`Parameters::stiffness_model`] says. Effects that are off leave out their coordinate.
+    /// The element of `pair` with `parameters`, whatever [`Parameters::stiffness_model`] says under the law `drive` of the drive flank
+    /// and `coast` of the coast flank. `None`: that of the drive flank, mirrored (M -> -M, z_c - z_ref -> -(z_c - z_ref)), which is
+    /// exact where the microgeometry is mirror-symmetric. Effects that are off leave out their coordinate.
     ///
     /// # Errors
     /// Parameters without meaning (named as in the FMU), a pair without a line of action.
     pub fn with_laws(
         pair: &PairGeometry,
         parameters: &Parameters,
-        laws: &FlankLaws,
+        drive: Arc<dyn Elasticity>,
+        coast: Option<Arc<dyn Elasticity>>,
     ) -> Result<Self, ElementError> {
         let effects = parameters.table_effects(pair);
-        let laws = FLANKS.map(|flank| Law::custom(laws, flank, effects));
-        Self::build(pair, parameters, laws)
+        let mirrored = coast.is_none();
+        let coast = coast.unwrap_or_else(|| drive.clone());
+        let law = |law, mirrored| Law::new(Source::Custom(law), mirrored, effects);
+        Self::build(pair, parameters, [law(drive, false), law(coast, mirrored)])
     }
 
     /// The element of `pair` with `parameters` under static contact at run time, that of `file`.
@@ -117,24 +119,21 @@ impl Element {
             friction: parameters.friction,
             ..parameters.table_effects(pair)
         };
-        let [drive, coast] =
-            FLANKS.map(|flank| Law::contact(file, flank, effects).ok_or(ElementError::NoContact));
-        let friction = match &file.setup.friction {
-            _ if !parameters.friction => None,
-            None => return Err(TableError::NO_FRICTION_LAW.into()),
-            Some(law) => Some(Friction::new(pair, parameters, law, None)),
-        };
-        let flanks = || file.coast.iter().chain([&file.drive]);
-        if parameters.root_stress && flanks().any(|flank| flank.roots.is_none()) {
+        let laws = FLANKS.map(|flank| Law::contact(file, flank, effects));
+        let mut element = Self::build(pair, parameters, laws)?;
+        if parameters.friction {
+            let law = file.setup.friction.as_ref();
+            let law = law.ok_or(TableError::NO_FRICTION_LAW)?;
+            element.friction = Some(Friction::new(pair, parameters, law, None));
+        }
+        let mut flanks = file.coast.iter().chain([&file.drive]);
+        if parameters.root_stress && flanks.any(|flank| flank.roots.is_none()) {
             return Err(TableError::NO_ROOT_STRESS_AT_CONTACT.into());
         }
-        Ok(Self {
-            friction,
-            ..Self::build(pair, parameters, [drive?, coast?])?
-        })
+        Ok(element)
     }
 
-    /// The element of `pair` with `parameters`; `table` is needed for [`StiffnessModel::Table`]. A table
+    /// The element of `pair` with `parameters`; `table` is needed for [`StiffnessModel::Table`] and [`StiffnessModel::Teeth`]. A table
     /// that does not have the effects of [`Parameters::table_effects`] is cut to them first.
     ///
     /// # Errors
@@ -147,9 +146,13 @@ impl Element {
     ) -> Result<Self, ElementError> {
         parameters.check()?;
         let effects = parameters.table_effects(pair);
-        match parameters.stiffness_model {
-            StiffnessModel::Contact => Err(ElementError::NoContact),
-            StiffnessModel::Constant => {
+        match (parameters.stiffness_model, table) {
+            (StiffnessModel::Contact, _) => Err(ElementError(
+                "stiffnessModel = contact, but the FMU does not hold the contact of its pair: build it with `gearmesh build \
+                 --contact`, or set stiffnessModel = table"
+                    .into(),
+            )),
+            (StiffnessModel::Constant, _) => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
                 let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
                 let law = Law::new(Source::Linear(stiffness), false, effects);
@@ -157,54 +160,60 @@ impl Element {
                 element.covered = Some(Covered::default());
                 Ok(element)
             }
-            StiffnessModel::Table | StiffnessModel::Teeth => {
-                let mut table = table.ok_or(ElementError::NoTable)?;
-                if *table.effects() != effects {
-                    table = Arc::new(table.sliced(&effects)?);
+            (StiffnessModel::Table | StiffnessModel::Teeth, None) => Err(ElementError(
+                "stiffnessModel = table or teeth, but there is no table: pack one with `gearmesh tables`, or set stiffnessModel = \
+                 constant"
+                    .into(),
+            )),
+            (StiffnessModel::Table | StiffnessModel::Teeth, Some(table)) => {
+                match *table.effects() == effects {
+                    true => Self::on_table(pair, parameters, table),
+                    false => Self::on_table(pair, parameters, Arc::new(table.sliced(&effects)?)),
                 }
-                let largest = table.file().maximum_torque_nm;
-                // Else the damping would never act in full, without a word.
-                if parameters.damping_onset * parameters.nominal_torque > largest {
-                    return Err(ElementError::Parameter {
-                        name: "nominalTorque",
-                        value: format!("{} N m", number(parameters.nominal_torque)),
-                        remedy: "dampingOnset times it lies beyond the largest torque of the table, so that damping would never act \
-                                 in full; give a torque of the table",
-                    });
-                }
-                let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
-                let element = Self::build(pair, parameters, [drive?, coast?])?;
-                let file = table.file();
-                let (law, sliding) = match effects.teeth {
-                    true => (file.teeth.as_ref().and_then(|record| record.friction), None),
-                    false => (
-                        file.friction.as_ref().map(|record| record.law),
-                        Some(&table),
-                    ),
-                };
-                let law = law.filter(|_| parameters.friction);
-                let mut root_stress = None;
-                if parameters.root_stress {
-                    let teeth = file.teeth.as_ref().filter(|_| effects.teeth);
-                    if teeth.is_some_and(TeethRecord::tells_apart) {
-                        return Err(ElementError::Parameter {
-                            name: "rootStress",
-                            value: "true".into(),
-                            remedy: "the tables hold the stress of teeth that are alike: set stiffnessModel = contact, remove \
-                                     tooth_errors from the pair file, or set rootStress = false",
-                        });
-                    }
-                    root_stress = Some(table.clone());
-                }
-                Ok(Self {
-                    friction: law.map(|law| Friction::new(pair, parameters, &law, sliding)),
-                    root_stress,
-                    largest_force: largest / pair.gears[0].base_radius(),
-                    covered: Some(Covered::by(&table)),
-                    ..element
-                })
             }
         }
+    }
+
+    /// The element on a table with the effects of [`Parameters::table_effects`].
+    fn on_table(
+        pair: &PairGeometry,
+        parameters: &Parameters,
+        table: Arc<Table>,
+    ) -> Result<Self, ElementError> {
+        let file = table.file();
+        let largest = file.maximum_torque_nm;
+        // Else the damping would never act in full, without a word.
+        if parameters.damping_onset * parameters.nominal_torque > largest {
+            let value = format!("{} N m", number(parameters.nominal_torque));
+            let remedy = "dampingOnset times it lies beyond the largest torque of the table, so that damping would never act in full; \
+                          give a torque of the table";
+            return Err(ElementError::parameter("nominalTorque", &value, remedy));
+        }
+        let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
+        let mut element = Self::build(pair, parameters, [drive?, coast?])?;
+        element.largest_force = largest / pair.gears[0].base_radius();
+        element.covered = Some(Covered::by(&table));
+        let teeth = (file.teeth.as_ref()).filter(|_| table.effects().teeth);
+        if parameters.friction {
+            // Tooth pairs find how the load slides with their forces.
+            let (law, sliding) = match teeth {
+                Some(record) => (record.friction, None),
+                None => (
+                    file.friction.as_ref().map(|record| record.law),
+                    Some(&table),
+                ),
+            };
+            element.friction = law.map(|law| Friction::new(pair, parameters, &law, sliding));
+        }
+        if parameters.root_stress {
+            if teeth.is_some_and(TeethRecord::tells_apart) {
+                let remedy = "the tables hold the stress of teeth that are alike: set stiffnessModel = contact, remove tooth_errors \
+                              from the pair file, or set rootStress = false";
+                return Err(ElementError::parameter("rootStress", "true", remedy));
+            }
+            element.root_stress = Some(table);
+        }
+        Ok(element)
     }
 
     fn build(
@@ -283,12 +292,18 @@ impl Element {
         inputs: &Inputs,
         workspace: &mut Workspace,
     ) -> Result<Outputs, ElementError> {
-        inputs.check(self.with_carrier())?;
+        self.check(inputs)?;
         Ok(Solution::new(self, phase, inputs, false, workspace)?.outputs)
     }
 
-    fn with_carrier(&self) -> bool {
-        self.parameters.formulation == Formulation::Paper
+    /// Errors: numbers that are not finite, orientations that are no rotations; of the carrier where the formulation looks at it.
+    fn check(&self, inputs: &Inputs) -> Result<(), ElementError> {
+        inputs.gears[0].check("gear1")?;
+        inputs.gears[1].check("gear2")?;
+        match self.parameters.formulation {
+            Formulation::Conjugate => Ok(()),
+            Formulation::Paper => inputs.carrier.check("carrier"),
+        }
     }
 
     /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual
@@ -315,7 +330,7 @@ impl Element {
                 LoadedFlank::Coast => ("coast", -1.0),
                 _ => ("drive", 1.0),
             };
-            return Err(ElementError::Pose(format!(
+            return Err(ElementError(format!(
                 "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
                  back from this flank, and they have come to the tooth behind: set loadedFlank = both{}",
                 1e3 * penetration,

@@ -1,8 +1,27 @@
-//! What goes into the element and what comes out of it.
+//! What goes into the element and what comes out of it, and why there is nothing.
 
 use super::dual::Scalar;
-use super::error::ElementError;
+use crate::table::TableError;
 use nalgebra::{Matrix3, Vector3};
+
+/// Why an element cannot be made, or has no meaning at a pose: names the parameter or the body, its value and what would be
+/// right.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ElementError(pub(crate) String);
+
+impl ElementError {
+    /// The parameter `name` of the FMU has no meaning with `value`, which has its unit.
+    pub(crate) fn parameter(name: &str, value: &str, remedy: &str) -> Self {
+        Self(format!("{name} = {value}: {remedy}"))
+    }
+}
+
+impl From<TableError> for ElementError {
+    fn from(error: TableError) -> Self {
+        Self(error.to_string())
+    }
+}
 
 /// Departure from an orthonormal right-handed matrix above which an orientation is refused.
 const ROTATION_TOLERANCE: f64 = 1e-6;
@@ -36,7 +55,7 @@ impl Motion {
     }
 
     /// Refuses numbers that are not finite and an orientation that is no rotation, in the name of `body`.
-    fn check(&self, body: &'static str) -> Result<(), ElementError> {
+    pub(crate) fn check(&self, body: &str) -> Result<(), ElementError> {
         let (x, y, z) = (self.r.column(0), self.r.column(1), self.r.column(2));
         let third = x.cross(&y) - z;
         let lengths = [x.norm_squared() - 1.0, y.norm_squared() - 1.0];
@@ -55,7 +74,7 @@ impl Motion {
             ("angular velocity", self.w.sum()),
             ("their sum", sum),
         ];
-        Err(ElementError::Pose(
+        Err(ElementError(
             match parts.iter().find(|(_, sum)| !sum.is_finite()) {
                 Some((quantity, _)) => format!(
                     "{body}: {quantity} is not finite; every position and velocity must be a finite number"
@@ -82,18 +101,6 @@ pub struct Inputs {
     pub gears: [Motion; 2],
     /// The carrier; looked at by [`super::Formulation::Paper`] alone.
     pub carrier: Motion,
-}
-
-impl Inputs {
-    /// Errors: numbers that are not finite, orientations that are no rotations; of the carrier only if `with_carrier`.
-    pub(crate) fn check(&self, with_carrier: bool) -> Result<(), ElementError> {
-        self.gears[0].check("gear1")?;
-        self.gears[1].check("gear2")?;
-        if with_carrier {
-            self.carrier.check("carrier")?;
-        }
-        Ok(())
-    }
 }
 
 /// Contact loads and diagnostics.

@@ -11,9 +11,8 @@
 use super::constants::{Constants, behind};
 use super::contact::{FlankLoad, face_overlap};
 use super::dual::{Scalar, angles, cross, dot, part, scaled, shifted, turned};
-use super::error::ElementError;
 use super::kinematics::{Coordinates, Spatial, check_tilt};
-use super::motion::{Inputs, Motion};
+use super::motion::{ElementError, Inputs, Motion};
 use nalgebra::Vector3;
 
 /// Both gears in the carrier.

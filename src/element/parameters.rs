@@ -1,6 +1,6 @@
 //! The choices a user makes, named as in the FMU.
 
-use super::error::ElementError;
+use super::motion::ElementError;
 use crate::gear::PairGeometry;
 use crate::table::{Effects, Interpolation, Load};
 use crate::words::number;
@@ -161,14 +161,10 @@ impl Parameters {
 
     /// Errors: a number without a meaning, and what only tables hold without one.
     pub(crate) fn check(&self) -> Result<(), ElementError> {
-        let refuse = |name, value: String, remedy| {
-            Err(ElementError::Parameter {
-                name,
-                value,
-                remedy,
-            })
+        let refuse = |name, value: f64, unit, remedy| {
+            let value = format!("{} {unit}", number(value));
+            Err(ElementError::parameter(name, &value, remedy))
         };
-        let number = |value: f64, unit: &str| format!("{} {unit}", number(value));
         let backlash = self.backlash.unwrap_or_default();
         let speed = self.friction_transition_speed;
         for (name, value, unit, may_be_zero) in [
@@ -184,16 +180,15 @@ impl Parameters {
                 false => "give a finite number above zero",
             };
             if !(value.is_finite() && (value > 0.0 || may_be_zero && value == 0.0)) {
-                return refuse(name, number(value, unit), remedy);
+                return refuse(name, value, unit, remedy);
             }
         }
         if !(self.damping_onset > 0.0 && self.damping_onset <= 1.0) {
             let remedy = "give a share of the nominal force, above 0 and up to 1; damping = 0 switches damping off";
-            return refuse("dampingOnset", number(self.damping_onset, ""), remedy);
+            return refuse("dampingOnset", self.damping_onset, "", remedy);
         }
         if !self.mesh_phase.is_finite() {
-            let value = number(self.mesh_phase, "rad");
-            return refuse("meshPhase", value, "give a finite angle");
+            return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");
         }
         if self.stiffness_model == StiffnessModel::Constant {
             let remedy = "a constant stiffness does not know where teeth touch: set stiffnessModel = table, teeth or contact, or this to false";
@@ -202,7 +197,7 @@ impl Parameters {
                 ("rootStress", self.root_stress),
             ] {
                 if on {
-                    return refuse(name, "true".into(), remedy);
+                    return Err(ElementError::parameter(name, "true", remedy));
                 }
             }
         }

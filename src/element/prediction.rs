@@ -19,9 +19,8 @@ use serde::{Deserialize, Serialize};
 use super::Element;
 use super::constants::FLANKS;
 use super::contact::{Mesh, Solution};
-use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
+use super::motion::{ElementError, Inputs, Motion, Outputs, PhaseOffset};
 
 /// In which step a master lets the loads act that it reads after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,7 +133,7 @@ impl Element {
         request: &StepRequest,
         workspace: &mut Workspace,
     ) -> Result<Prediction, ElementError> {
-        inputs.check(self.with_carrier())?;
+        self.check(inputs)?;
         let solution = Solution::new(self, phase, inputs, false, workspace)?;
         let outputs = solution.outputs;
         let mut prediction = Prediction {

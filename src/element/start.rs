@@ -3,9 +3,8 @@
 use super::constants::{Constants, FLANKS};
 use super::contact::{Pose, Solution, face_overlap, is_shifted, radial_share};
 use super::dual::{Scalar, fraction, lift};
-use super::error::ElementError;
 use super::law::{Law, Workspace};
-use super::motion::{Inputs, Outputs, PhaseOffset};
+use super::motion::{ElementError, Inputs, Outputs, PhaseOffset};
 use super::parameters::PhaseReference;
 use super::{Element, START_FORCE};
 use crate::contact::Warm;
@@ -64,7 +63,7 @@ impl Element {
     /// # Errors
     /// A pose without meaning, gears out of reach of one another.
     pub fn phase_offset(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
-        inputs.check(self.with_carrier())?;
+        self.check(inputs)?;
         self.phases(inputs)
     }
 
@@ -77,7 +76,7 @@ impl Element {
         let phase = self.phase_offset(inputs)?;
         let reasons = self.apart(inputs)?.join("; ");
         if !reasons.is_empty() {
-            return Err(ElementError::Pose(format!(
+            return Err(ElementError(format!(
                 "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
             )));
         }
@@ -92,7 +91,7 @@ impl Element {
         for (force, largest) in [(pressed, self.largest_force), (rigid, largest_rigid)] {
             if force > largest {
                 let [force, largest] = [force, largest].map(|x| fixed(1e-3 * x, 2));
-                return Err(ElementError::Pose(format!(
+                return Err(ElementError(format!(
                     "the initial pose jams the teeth with {force} kN on the line of action, where the largest load is {largest} \
                      kN: {}; correct the positions and orientations of the gears{}",
                     self.pose_in_words(&outputs),
@@ -230,7 +229,7 @@ impl Element {
     ) -> Result<PhaseOffset<T>, ElementError> {
         let pose = Pose::<T>::new(self, inputs)?;
         if !pose.map.in_reach {
-            return Err(ElementError::Pose(
+            return Err(ElementError(
                 "at the initial pose the gears are out of reach of one another; start from a pose in mesh".into(),
             ));
         }

@@ -587,7 +587,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fmi::resources::tests::constant_stiffness;
+    use crate::fmi::instance::tests::constant_stiffness;
     use std::ffi::CStr;
     use std::sync::Mutex;
 

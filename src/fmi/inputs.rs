@@ -166,9 +166,7 @@ impl InputValues {
     }
 
     /// Motion of a body as the element takes it.
-    ///
-    /// # Errors
-    /// A quaternion in use whose length is not 1 within `QUATERNION_TOLERANCE`; angles and positions
+    /// Errors: a quaternion in use whose length is not 1 within `QUATERNION_TOLERANCE`; angles and positions
     /// beyond `resolution`.
     #[inline]
     pub fn motion(
@@ -363,23 +361,6 @@ mod tests {
         inputs.set(QUATERNION, 1.004);
         let r = pose(&inputs, Quaternion).r;
         assert_abs_diff_eq!(r, Matrix3::identity(), epsilon = 1e-15);
-    }
-
-    #[test]
-    fn the_inputs_of_a_body_are_its_block() {
-        for (body, name) in BODIES.iter().enumerate() {
-            for (offset, last) in [
-                (POSITION, "position[1]"),
-                (ANGLES, "angles[1]"),
-                (QUATERNION, "quaternion[1]"),
-                (VELOCITY, "velocity[1]"),
-                (ANGULAR_VELOCITY, "angularVelocity[1]"),
-                (BODY_INPUTS - 1, "angularVelocity[3]"),
-            ] {
-                let variable = &VARIABLES[body * BODY_INPUTS + offset];
-                assert_eq!(variable.name, format!("{name}.{last}"));
-            }
-        }
     }
 
     fn step(inputs: &InputValues, h: f64) -> InputValues {

@@ -2,14 +2,13 @@
 //!
 //! Outputs and their derivatives are a pure function of inputs, parameters, phase offsets and, with `coupling`, of the last step.
 //! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
-//! and get in any order, value by value, and go back in time.
+//! and get in any order, value by value, and go back in time. A call that is refused changes nothing.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::clock::Clock;
 use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
-use super::lifecycle::{Function, Interface, State};
+use super::lifecycle::{Clock, Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
 use super::state::{InstanceState, new_handle, unknown};
@@ -19,8 +18,8 @@ use super::variables::{
 };
 use super::{Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, ElementError, Formulation,
-    Inputs, Jacobian, Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, Formulation, Inputs, Jacobian,
+    Loads, Outputs, Prediction, Step, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -34,14 +33,11 @@ pub struct Instance {
     settings: Settings,
     /// Made with the settings when first needed.
     element: Option<Element>,
-    workspace: Workspace,
     /// What the teeth resolve of the motion of each body.
     resolution: [Resolution; BODIES.len()],
-    /// Of the bodies at the last evaluation.
-    motions: Inputs,
+    buffers: Buffers,
     /// At the present state, if they were evaluated.
     outputs: Option<Evaluated>,
-    slopes: Box<Jacobian>,
     /// `None`: the slopes are not those of the present state; whether they have the row of the stiffness.
     slopes_with_stiffness: Option<bool>,
     /// How often the gears left the range, for the log.
@@ -53,30 +49,17 @@ pub struct Instance {
     events: Vec<(Severity, String)>,
 }
 
+/// What the element reads and writes at an evaluation.
+struct Buffers {
+    motions: Inputs,
+    workspace: Workspace,
+    slopes: Box<Jacobian>,
+}
+
 struct Evaluated {
     all: Outputs,
     /// The FMU's, in the order of their variables.
     rows: [f64; CONTINUOUS_OUTPUTS],
-}
-
-/// The element and what it evaluates: the motions of the present inputs.
-struct Ready<'a> {
-    element: &'a Element,
-    motions: &'a Inputs,
-    /// Phase offsets; `None`: those of the present pose.
-    phase_offset: Option<PhaseOffset>,
-    last_step: Option<&'a Step>,
-    workspace: &'a mut Workspace,
-    slopes: &'a mut Jacobian,
-}
-
-impl Ready<'_> {
-    fn phase_offset(&self) -> Result<PhaseOffset, ElementError> {
-        match self.phase_offset {
-            Some(phase) => Ok(phase),
-            None => self.element.phase_offset(self.motions),
-        }
-    }
 }
 
 /// Warnings that the gears have left the range, of one instance.
@@ -111,10 +94,12 @@ impl Instance {
             stored: HashMap::new(),
             settings: resources.starts.settings.clone(),
             element: None,
-            workspace: Workspace::default(),
-            motions: Inputs::default(),
+            buffers: Buffers {
+                motions: Inputs::default(),
+                workspace: Workspace::default(),
+                slopes: Box::new(Jacobian::zeros()),
+            },
             outputs: None,
-            slopes: Box::new(Jacobian::zeros()),
             slopes_with_stiffness: None,
             departures: 0,
             warned: false,
@@ -152,27 +137,21 @@ impl Instance {
         std::mem::take(&mut self.events)
     }
 
-    /// Refuses `function` where the state machine does not allow it.
-    ///
-    /// # Errors
-    /// Names the state and where the function is allowed, or the interface it belongs to.
+    /// See [`Function::admit`].
+    /// Errors: the function may not be called now.
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
         function.admit(self.state(), self.state.interface)
     }
 
     /// fmi2SetupExperiment.
-    ///
-    /// # Errors
-    /// Times that are not finite or in the wrong order.
+    /// Errors: as [`Clock::setup`].
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.state.clock.setup(start, stop)
     }
 
     /// fmi2SetTime.
-    ///
-    /// # Errors
-    /// A time that is not finite.
+    /// Errors: a time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.state.clock.set(time)
     }
@@ -183,22 +162,14 @@ impl Instance {
     }
 
     /// fmi2ExitInitializationMode: makes the element and takes the phases of the teeth.
-    ///
-    /// # Errors
-    /// Parameters or poses that make no mesh; phases are as before.
+    /// Errors: parameters or poses that make no mesh; phases are as before.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        let ready = self.ready()?;
-        let phase = ready.element.start(ready.motions)?;
+        let (element, buffers) = self.ready()?;
+        let phase = element.start(&buffers.motions)?;
         self.state.phase_offset = Some(phase);
         self.changed();
         let outputs = self.outputs().map(|outputs| outputs.all);
-        let outputs = match outputs {
-            Ok(outputs) => outputs,
-            Err(refusal) => {
-                self.state.phase_offset = None;
-                return Err(refusal);
-            }
-        };
+        let outputs = outputs.inspect_err(|_| self.state.phase_offset = None)?;
         self.watch_range();
         self.state.state = match self.state.interface {
             Interface::CoSimulation => State::StepComplete,
@@ -230,9 +201,7 @@ impl Instance {
     }
 
     /// fmi2GetFMUstate: stores the state over the one with this `handle`, or under a new one, which it returns.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance.
+    /// Errors: a handle that is none of this instance; so in all that follows.
     pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
         if let Some(handle) = handle {
             self.stored(handle)?;
@@ -243,33 +212,22 @@ impl Instance {
     }
 
     /// fmi2SetFMUstate.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
         self.go_to(self.stored(handle)?.clone())
     }
 
     /// fmi2FreeFMUstate.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance.
     pub fn discard(&mut self, handle: usize) -> Result<(), Refusal> {
         self.stored.remove(&handle).map(drop).ok_or_else(unknown)
     }
 
     /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
         Ok(self.stored(handle)?.to_bytes(&self.resources.unit.guid))
     }
 
     /// fmi2DeSerializeFMUstate: a new handle.
-    ///
-    /// # Errors
-    /// Bytes that are no state of this FMU.
+    /// Errors: bytes that are no state of this FMU.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
         state.check(self.state.interface)?;
@@ -314,9 +272,7 @@ impl Instance {
     }
 
     /// fmi2SetReal, fmi2SetInteger, which serves enumerations, and fmi2SetBoolean, with 0 and 1; all or none.
-    ///
-    /// # Errors
-    /// Unknown references, wrong types, values that are not finite or outside their range, variables
+    /// Errors: unknown references, wrong types, values that are not finite or outside their range, variables
     /// that may not be set now.
     pub fn set<T: Copy + Into<f64>>(
         &mut self,
@@ -380,9 +336,7 @@ impl Instance {
     }
 
     /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
-    ///
-    /// # Errors
-    /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
+    /// Errors: unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get(
         &mut self,
         kind: Kind,
@@ -404,10 +358,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Takes the motions that the element looks at from the inputs, and makes the element if there is none.
-    fn ready(&mut self) -> Result<Ready<'_>, Refusal> {
+    /// The element, made if there is none, and its buffers with the motions that it looks at, from the present inputs.
+    fn ready(&mut self) -> Result<(&Element, &mut Buffers), Refusal> {
         let (inputs, orientation) = (&self.state.inputs, self.settings.orientation);
-        let motions = &mut self.motions;
+        let motions = &mut self.buffers.motions;
         for body in 0..2 {
             motions.gears[body] = inputs.motion(body, orientation, self.resolution[body])?;
         }
@@ -420,14 +374,8 @@ impl Instance {
         if self.element.is_none() {
             self.element = Some(self.resources.element(&self.settings.element)?);
         }
-        Ok(Ready {
-            element: self.element.as_ref().expect("made above"),
-            motions,
-            phase_offset: self.state.phase_offset,
-            last_step: self.state.step.as_ref(),
-            workspace: &mut self.workspace,
-            slopes: &mut self.slopes,
-        })
+        let element = self.element.as_ref().expect("made above");
+        Ok((element, &mut self.buffers))
     }
 
     /// Outputs at the present state; before phases are taken, with those of the present pose.
@@ -441,10 +389,15 @@ impl Instance {
                     (prediction.outputs, Some(prediction.loads))
                 }
                 (_, loads, _) => {
-                    let ready = self.ready()?;
-                    let (phase, element) = (ready.phase_offset()?, ready.element);
-                    let all = element.evaluate_from(&phase, ready.motions, ready.workspace)?;
-                    (all, loads)
+                    let phase = self.state.phase_offset;
+                    let (
+                        element,
+                        Buffers {
+                            motions, workspace, ..
+                        },
+                    ) = self.ready()?;
+                    let phase = phase.map_or_else(|| element.phase_offset(motions), Ok)?;
+                    (element.evaluate_from(&phase, motions, workspace)?, loads)
                 }
             };
             self.outputs = Some(self.evaluated(all, loads.as_ref())?);
@@ -471,16 +424,30 @@ impl Instance {
             length,
             effective_mass: self.settings.effective_mass,
         };
-        let ready = self.ready()?;
-        let (phase, last) = (ready.phase_offset()?, ready.last_step);
-        let element = ready.element;
-        Ok(element.predict(&phase, ready.motions, last, &request, ready.workspace)?)
+        let (phase, last) = (self.state.phase_offset, self.state.step);
+        let (
+            element,
+            Buffers {
+                motions, workspace, ..
+            },
+        ) = self.ready()?;
+        let phase = phase.map_or_else(|| element.phase_offset(motions), Ok)?;
+        Ok(element.predict(&phase, motions, last.as_ref(), &request, workspace)?)
     }
 
     /// Of the output in `row`, or of `what` of it.
     fn not_finite(&self, what: &str, row: usize) -> Refusal {
         let what = format!("{what}{} is not finite", VARIABLES[INPUTS + row].name);
-        overflow(&self.state.inputs, self.state.inputs.largest(), &what)
+        self.overflow(self.state.inputs.largest(), &what)
+    }
+
+    /// Numbers so large that nothing can be computed; `i` is the input to look at.
+    fn overflow(&self, i: usize, what: &str) -> Refusal {
+        Refusal::discard(format!(
+            "{what}: check {} = {}, its derivatives and the parameters for numbers out of all proportion",
+            VARIABLES[i].name,
+            number(self.state.inputs.get(i))
+        ))
     }
 
     /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
@@ -488,9 +455,7 @@ impl Instance {
     /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
     /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
     /// are among what is known, too: by differences of the outputs, good to some eight digits.
-    ///
-    /// # Errors
-    /// References that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
+    /// Errors: references that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
     /// which there are no outputs.
     pub fn directional_derivative(
         &mut self,
@@ -556,19 +521,19 @@ impl Instance {
         let with_stiffness = rows.contains(&STIFFNESS);
         if self.slopes_with_stiffness < Some(with_stiffness) {
             self.slopes_with_stiffness = None;
-            let ready = self.ready()?;
-            let (phase, element) = (ready.phase_offset.as_ref(), ready.element);
+            let phase = self.state.phase_offset;
+            let (element, buffers) = self.ready()?;
+            let (slopes, workspace) = (&mut buffers.slopes, &mut buffers.workspace);
             element.slopes(
-                phase,
-                ready.motions,
+                phase.as_ref(),
+                &buffers.motions,
                 with_stiffness,
-                ready.slopes,
-                ready.workspace,
+                slopes,
+                workspace,
             )?;
             self.slopes_with_stiffness = Some(with_stiffness);
         }
-        let slopes: &Jacobian = &self.slopes;
-        let slopes = slopes * direction;
+        let slopes = &*self.buffers.slopes * direction;
         let slope = |&row: &usize| match slopes[row] {
             slope if slope.is_finite() => Ok(slope),
             _ => Err(self.not_finite("the derivative of ", row)),
@@ -577,9 +542,7 @@ impl Instance {
     }
 
     /// fmi2SetRealInputDerivatives; all or none.
-    ///
-    /// # Errors
-    /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
+    /// Errors: unknown references, variables that are no inputs, orders beyond 1 to 3, values
     /// that are not finite.
     pub fn set_input_derivatives(
         &mut self,
@@ -611,9 +574,7 @@ impl Instance {
     /// fmi2GetRealOutputDerivatives: time derivatives of the outputs at the current communication
     /// point, of the first order. Poses change with the velocity inputs, which are
     /// their derivatives, and velocities with the input derivatives that the host gave.
-    ///
-    /// # Errors
-    /// References that are no outputs, another order than 1, inputs at which there are no outputs.
+    /// Errors: references that are no outputs, another order than 1, inputs at which there are no outputs.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -636,9 +597,7 @@ impl Instance {
 
     /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
     /// evaluates there, or predicts the loads by the coupling. A step that is refused changes nothing.
-    ///
-    /// # Errors
-    /// A step that is not positive, does not start where the last one ended, or passes the stop time;
+    /// Errors: a step that is not positive, does not start where the last one ended, or passes the stop time;
     /// inputs at which there are no outputs. A step that is discarded for its inputs, and tried again as it was, is an
     /// error: it would be tried for ever.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
@@ -678,8 +637,7 @@ impl Instance {
             return Ok(());
         };
         if let Some(i) = end.fault() {
-            let what = "an input overflows within the step";
-            return Err(overflow(&self.state.inputs, i, what));
+            return Err(self.overflow(i, "an input overflows within the step"));
         }
         let before = self.state.clone();
         (self.state.inputs, self.state.step, self.state.loads) = (end, None, None);
@@ -704,7 +662,7 @@ impl Instance {
             return self.report(Severity::Event, "in range again");
         }
         let reasons = match self.ready() {
-            Ok(ready) => ready.element.out_of_range(ready.motions, &present),
+            Ok((element, buffers)) => element.out_of_range(&buffers.motions, &present),
             Err(_) => Ok(String::new()),
         };
         let reasons = reasons.unwrap_or_default();
@@ -722,15 +680,6 @@ impl Instance {
     }
 }
 
-/// Numbers so large that nothing can be computed; `i` is the input to look at.
-fn overflow(inputs: &InputValues, i: usize, what: &str) -> Refusal {
-    Refusal::discard(format!(
-        "{what}: check {} = {}, its derivatives and the parameters for numbers out of all proportion",
-        VARIABLES[i].name,
-        number(inputs.get(i))
-    ))
-}
-
 /// Rows of the outputs with these references.
 fn rows(references: &[u32]) -> Result<Vec<usize>, Refusal> {
     let row = |&reference: &u32| {
@@ -743,4 +692,4 @@ fn rows(references: &[u32]) -> Result<Vec<usize>, Refusal> {
 
 #[cfg(test)]
 #[path = "instance_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -1,9 +1,55 @@
 //! Poses that can be no mesh: refused at the start, reported once each time they are entered. Steps, derivatives.
 
 use super::*;
-use crate::fmi::resources::tests::{constant_stiffness, instance as started};
-
+use crate::fmi::resources::{UNIT_VERSION, UnitFile};
+use crate::gear::PairGeometry;
+use crate::gear::samples::paper_pair;
 use crate::table::TableFile;
+use crate::table::samples::Spring;
+
+/// An instance of `interface` in initialization mode, in the nominal pose, with these start values besides.
+pub(in crate::fmi) fn instance(
+    interface: Interface,
+    geometry: PairGeometry,
+    tables: Option<TableFile>,
+    starts: &[(usize, f64)],
+) -> Instance {
+    let touching = [
+        (index::GEAR2_POSITION_1, geometry.center_distance),
+        (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
+    ];
+    let starts = touching.iter().chain(starts);
+    let unit = UnitFile {
+        version: UNIT_VERSION,
+        guid: "{guid}".into(),
+        name: "pair".into(),
+        starts: starts
+            .map(|&(i, value)| (VARIABLES[i].name.to_owned(), value))
+            .collect(),
+        geometry,
+    };
+    let resources = Arc::new(Resources::new(unit, tables, None).unwrap());
+    let mut instance = Instance::new(resources, interface);
+    instance.enter(State::InitializationMode);
+    instance
+}
+
+/// The paper's pair with constant stiffness.
+pub(in crate::fmi) fn constant_stiffness(interface: Interface) -> Instance {
+    let geometry = paper_pair(1.0);
+    instance(interface, geometry, None, &[])
+}
+
+/// An instance on a table of a spring with a known potential; `counts` as in [`Spring::grid`].
+pub(in crate::fmi) fn on_table(counts: [usize; 4], starts: &[(usize, f64)]) -> Instance {
+    let pair = paper_pair(1.0);
+    let grid = Spring::grid(counts);
+    let torques = [100.0, 200.0];
+    let tables = TableFile::new("spring", "a formula", &pair, torques, &grid, None);
+    let on_table = [(index::STIFFNESS_MODEL, 2.0), (index::DAMPING, 0.0)];
+    let starts = [&on_table, starts].concat();
+    instance(Interface::CoSimulation, pair, Some(tables), &starts)
+}
 
 /// An instance on the tables of the paper's pair, in initialization mode, with its nominal centre distance.
 fn on_tables(interface: Interface) -> (Instance, f64) {
@@ -19,19 +65,19 @@ fn on_tables(interface: Interface) -> (Instance, f64) {
         (index::STIFFNESS_MODEL, 2.0),
         (index::MISALIGNMENT_EFFECT, 1.0),
     ];
-    let instance = started(interface, geometry, Some(tables), &starts);
+    let instance = instance(interface, geometry, Some(tables), &starts);
     (instance, nominal)
 }
 
-fn reference(i: usize) -> u32 {
+pub(in crate::fmi) fn reference(i: usize) -> u32 {
     VARIABLES[i].value_reference
 }
 
-fn set(instance: &mut Instance, i: usize, value: f64) {
+pub(in crate::fmi) fn set(instance: &mut Instance, i: usize, value: f64) {
     instance.set(Kind::Real, &[reference(i)], &[value]).unwrap();
 }
 
-fn get(instance: &mut Instance, i: usize) -> f64 {
+pub(in crate::fmi) fn get(instance: &mut Instance, i: usize) -> f64 {
     let mut value = f64::NAN;
     let read = instance.get(Kind::Real, &[reference(i)], |x| value = x);
     read.unwrap();
@@ -93,9 +139,9 @@ fn inputs_that_a_host_fills_with_zeros_are_refused_with_where_gear_2_belongs() {
         "/resources/tables/planet-ring-27-84.json"
     ));
     let ring = ring.unwrap().geometry;
-    for geometry in [crate::gear::samples::paper_pair(1.0), ring] {
+    for geometry in [paper_pair(1.0), ring] {
         let start = format!("gear2.position[1] starts as {} m", geometry.center_distance);
-        let mut instance = started(Interface::CoSimulation, geometry, None, &[]);
+        let mut instance = instance(Interface::CoSimulation, geometry, None, &[]);
         let inputs: Vec<u32> = (0..48).collect();
         instance.set(Kind::Real, &inputs, &[0.0; 48]).unwrap();
         let mut refused = instance.exit_initialization().unwrap_err();

@@ -1,10 +1,11 @@
 //! Which function may be called when: the state machines of FMI 2.0.5, sections 3.2.3 (model exchange)
-//! and 4.2.4 (co-simulation), as one table.
+//! and 4.2.4 (co-simulation), as one table, and the communication points.
 
 use State::*;
 use serde::{Deserialize, Serialize};
 
 use super::Refusal;
+use super::variables::check_finite;
 
 /// State of one instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,9 +100,7 @@ functions! {
 
 impl Function {
     /// Whether the function may be called in `state` of an instance of `interface`.
-    ///
-    /// # Errors
-    /// It may not: names the states in which it may be, or the interface it belongs to.
+    /// Errors: it may not; named are the states in which it may be, or the interface it belongs to.
     #[inline]
     pub fn admit(self, state: State, interface: Interface) -> Result<(), Refusal> {
         let (states, own) = self.rule();
@@ -113,6 +112,104 @@ impl Function {
             _ => format!("not allowed in the state {state:?}; it is in {states:?}"),
         };
         Err(Refusal::error(reason))
+    }
+}
+
+/// Units in the last place by which the host's communication point may differ from ours. Its own point counts at every
+/// step, so differences do not add up: one addition against ours is two or three roundings; the rest is for hosts that
+/// count in nanoseconds.
+const ROUNDINGS: f64 = 16.0;
+
+/// Where the simulation stands.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Clock {
+    /// Start of the experiment, s.
+    start: f64,
+    /// Current communication point, s.
+    time: f64,
+    /// End of the experiment, s, if the host set one.
+    stop: Option<f64>,
+    /// Start of the last step, s; `None` before the first one.
+    previous: Option<f64>,
+}
+
+impl Clock {
+    /// Current communication point, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// fmi2SetupExperiment.
+    /// Errors: times that are not finite or in the wrong order.
+    pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+        check_finite("startTime", start)?;
+        if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
+            return Err(Refusal::error(format!(
+                "stopTime = {stop} lies before startTime = {start}"
+            )));
+        }
+        *self = Self {
+            start,
+            time: start,
+            stop,
+            previous: None,
+        };
+        Ok(())
+    }
+
+    /// fmi2SetTime of model exchange.
+    /// Errors: a time that is not finite.
+    pub fn set(&mut self, time: f64) -> Result<(), Refusal> {
+        check_finite("time", time)?;
+        self.time = time;
+        Ok(())
+    }
+
+    /// The clock after the step from `point` over `step` s.
+    /// Errors: a step that is not positive, does not start where the last one ended, or passes the stop time.
+    pub fn after(&self, point: f64, step: f64) -> Result<Self, Refusal> {
+        let refuse = |reason: String| Err(Refusal::error(reason));
+        if !step.is_finite() || step <= 0.0 {
+            return refuse(format!(
+                "communicationStepSize = {step}; it must be positive and finite"
+            ));
+        }
+        let follows = (point - self.time).abs() <= self.tolerance(point); // never for NaN
+        if !follows {
+            return refuse(format!(
+                "currentCommunicationPoint = {point}, but the last step ended at {}; restore a stored state to go back",
+                self.time
+            ));
+        }
+        let end = point + step;
+        if end <= point {
+            return refuse(format!(
+                "communicationStepSize = {step} is lost in the rounding of the time {point}; take longer steps, or \
+                 start the experiment at time 0"
+            ));
+        }
+        // Hosts that add up their steps come to the stop time with the sum of all roundings.
+        let late = 1e-3 * step + 1e-9 * self.time.abs();
+        if let Some(stop) = self.stop.filter(|stop| end > stop + late) {
+            return refuse(format!(
+                "the step ends at {end}, after stopTime = {stop}; shorten it"
+            ));
+        }
+        Ok(Self {
+            time: end,
+            previous: Some(point),
+            ..self.clone()
+        })
+    }
+
+    /// Largest distance of the host's `point` from ours: roundings of additions, and less than half the
+    /// last step, so that no step is ever taken twice however short it is.
+    fn tolerance(&self, point: f64) -> f64 {
+        // Near time 0 the summands are larger than the sum.
+        let size = self.start.abs().max(self.time.abs()).max(point.abs());
+        let rounding = ROUNDINGS * f64::EPSILON * size;
+        let half = |previous| 0.5 * (self.time - previous);
+        self.previous.map_or(rounding, |p| rounding.min(half(p)))
     }
 }
 
@@ -132,5 +229,78 @@ mod tests {
             let start = format!("not allowed in the state Fatal; it is in {allowed}");
             assert!(text.starts_with(&start), "{text}");
         }
+    }
+
+    fn started(start: f64) -> Clock {
+        let mut clock = Clock::default();
+        clock.setup(start, None).unwrap();
+        clock
+    }
+
+    /// The next point of a host: from start, last point, step and number of the step.
+    type Next = fn(f64, f64, f64, f64) -> f64;
+
+    /// Steps of hosts that add up, multiply, count ticks, or mix these.
+    #[test]
+    fn every_honest_way_to_count_time_is_followed_over_a_million_steps() {
+        for (start, h) in [
+            (0.0_f64, 1e-3_f64),
+            (1000.0, 1e-7),
+            (0.3, 1e-5),
+            (-7.0, 1.0 / 3.0),
+        ] {
+            let hosts: [Next; 4] = [
+                |_, last, h, _| last + h,
+                |start, _, h, n| start + n * h,
+                |start, _, h, n| start + ((n * h) * 1e9).round() * 1e-9,
+                |start, last, h, n| {
+                    if n % 2.0 == 0.0 {
+                        last + h
+                    } else {
+                        start + n * h
+                    }
+                },
+            ];
+            for (k, next) in hosts.into_iter().enumerate() {
+                // Ticks are whole nanoseconds only for steps that are.
+                if k == 2 && (h * 1e9 - (h * 1e9).round()).abs() > 1e-9 {
+                    continue;
+                }
+                let mut clock = started(start);
+                let mut point = start;
+                for n in 1..=1_000_000 {
+                    clock = clock.after(point, h).unwrap();
+                    point = next(start, point, h, f64::from(n));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_step_is_taken_twice_however_short() {
+        for time in [0.0, 1e-3, 1.0, 1000.0, -1000.0, 1e9] {
+            for h in [1e-13, 1e-12, 1e-9, 1e-7, 1e-3] {
+                let Ok(once) = started(time).after(time, h) else {
+                    let lost = time + h == time;
+                    assert!(lost, "t = {time}, h = {h}");
+                    continue;
+                };
+                for again in [h, 1e-6, 1.0] {
+                    assert!(once.after(time, again).is_err(), "t = {time}, h = {h}");
+                }
+                let next = once.time();
+                assert!(once.after(next, h).is_ok(), "t = {time}, h = {h}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_off_by_more_than_rounding_is_refused_with_both_times() {
+        let clock = started(1000.0).after(1000.0, 1e-7).unwrap();
+        let said = clock.after(1000.0 + 2e-7, 1e-7).unwrap_err().message;
+        assert!(said.contains("1000.0000001"), "{said}");
+        assert!(clock.after(f64::NAN, 1e-7).is_err());
+        let lost = started(1e9).after(1e9, 1e-9).unwrap_err().message;
+        assert!(lost.contains("lost in the rounding"), "{lost}");
     }
 }

@@ -11,7 +11,6 @@
 //! unsafe code; the tests that call the interface as C does need it for that.
 
 pub mod c_interface;
-mod clock;
 pub mod header;
 pub mod inputs;
 pub mod instance;

@@ -49,9 +49,7 @@ const PHASE_REFERENCES: [PhaseReference; 2] =
 
 impl Settings {
     /// From the numbers of the parameters in the order of their variables; a Boolean is 0 or 1.
-    ///
-    /// # Errors
-    /// A number that is no value of its parameter.
+    /// Errors: a number that is no value of its parameter.
     pub fn new(numbers: &[f64; PARAMETERS]) -> Result<Self, Refusal> {
         for (variable, number) in VARIABLES[FIRST_PARAMETER..].iter().zip(numbers) {
             check_value(variable, *number)?;

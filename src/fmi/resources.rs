@@ -100,9 +100,7 @@ impl Starts {
 
 impl Resources {
     /// The resources of `unit` with its `tables` and its `contact`.
-    ///
-    /// # Errors
-    /// Start values that are none, a contact of another pair, as text.
+    /// Errors: start values that are none, a contact of another pair, as text.
     pub fn new(
         unit: UnitFile,
         tables: Option<TableFile>,
@@ -123,9 +121,7 @@ impl Resources {
     }
 
     /// The element of this FMU with `parameters`.
-    ///
-    /// # Errors
-    /// Parameters without meaning; an effect whose axis the tables lack.
+    /// Errors: parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
         let model = parameters.stiffness_model;
@@ -180,9 +176,7 @@ fn shared<T, E>(
 }
 
 /// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
-///
-/// # Errors
-/// A location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
+/// Errors: a location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
 pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
     let folder = folder(location).map_err(|reason| {
         Refusal::error(format!(
@@ -258,9 +252,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
 }
 
 /// Reads the bytes of a [`UNIT_FILE`].
-///
-/// # Errors
-/// What is wrong with them, as text.
+/// Errors: what is wrong with them, as text.
 pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
     let unit: UnitFile = serde_json::from_slice(bytes).map_err(|e| json_problem(&e))?;
     if unit.version != UNIT_VERSION {
@@ -308,12 +300,10 @@ fn unusable(path: &Path, reason: impl Display) -> Refusal {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::fmi::instance::Instance;
-    use crate::fmi::lifecycle::{Interface, State};
+    use crate::fmi::instance::tests::on_table;
     use crate::fmi::variables::{VARIABLES, index};
-    use crate::table::samples::Spring;
 
     /// A pipe would never answer, and a file as large as this would take all memory.
     #[cfg(unix)]
@@ -383,50 +373,6 @@ pub(super) mod tests {
             let error = parse_unit(text.as_bytes()).unwrap_err();
             assert!(error.contains(field), "{error}");
         }
-    }
-
-    /// An instance of `interface` in initialization mode, in the nominal pose, with these start values besides.
-    pub(in crate::fmi) fn instance(
-        interface: Interface,
-        geometry: PairGeometry,
-        tables: Option<TableFile>,
-        starts: &[(usize, f64)],
-    ) -> Instance {
-        let touching = [
-            (index::GEAR2_POSITION_1, geometry.center_distance),
-            (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
-        ];
-        let starts = touching.iter().chain(starts);
-        let unit = UnitFile {
-            version: UNIT_VERSION,
-            guid: "{guid}".into(),
-            name: "pair".into(),
-            starts: starts
-                .map(|&(i, value)| (VARIABLES[i].name.to_owned(), value))
-                .collect(),
-            geometry,
-        };
-        let resources = Arc::new(Resources::new(unit, tables, None).unwrap());
-        let mut instance = Instance::new(resources, interface);
-        instance.enter(State::InitializationMode);
-        instance
-    }
-
-    /// The paper's pair with constant stiffness.
-    pub(in crate::fmi) fn constant_stiffness(interface: Interface) -> Instance {
-        let geometry = crate::gear::samples::paper_pair(1.0);
-        instance(interface, geometry, None, &[])
-    }
-
-    /// An instance on a table of a spring with a known potential; `counts` as in [`Spring::grid`].
-    pub(in crate::fmi) fn on_table(counts: [usize; 4], starts: &[(usize, f64)]) -> Instance {
-        let pair = crate::gear::samples::paper_pair(1.0);
-        let grid = Spring::grid(counts);
-        let torques = [100.0, 200.0];
-        let tables = TableFile::new("spring", "a formula", &pair, torques, &grid, None);
-        let on_table = [(index::STIFFNESS_MODEL, 2.0), (index::DAMPING, 0.0)];
-        let starts = [&on_table, starts].concat();
-        instance(Interface::CoSimulation, pair, Some(tables), &starts)
     }
 
     #[test]

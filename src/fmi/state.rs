@@ -6,9 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::Refusal;
-use super::clock::Clock;
 use super::inputs::InputValues;
-use super::lifecycle::{Interface, State};
+use super::lifecycle::{Clock, Interface, State};
 use super::parameters::Settings;
 use super::variables::PARAMETERS;
 use crate::element::{Loads, PhaseOffset, Step};
@@ -113,12 +112,8 @@ pub(super) fn unknown() -> Refusal {
 mod tests {
     use super::*;
     use crate::fmi::instance::Instance;
-    use crate::fmi::resources::tests::on_table;
-    use crate::fmi::variables::{Kind, VARIABLES, index};
-
-    fn reference(i: usize) -> u32 {
-        VARIABLES[i].value_reference
-    }
+    use crate::fmi::instance::tests::{get, on_table, reference, set};
+    use crate::fmi::variables::{FIRST_PARAMETER, INPUTS, index};
 
     /// An instance in the middle of a simulation, with numbers that are not round.
     fn running() -> Instance {
@@ -127,18 +122,9 @@ mod tests {
             &[(index::COUPLING, 3.0), (index::EFFECTIVE_MASS, 0.3)],
         );
         instance.setup(-1.0 / 3.0, None).unwrap();
-        let sets = [
-            (index::GEAR1_ANGLES_3, 1e-4),
-            (index::GEAR2_ANGULAR_VELOCITY_3, -0.1),
-            (index::GEAR1_VELOCITY_1, -0.0),
-        ];
-        instance
-            .set(
-                Kind::Real,
-                &sets.map(|(i, _)| reference(i)),
-                &sets.map(|(_, x)| x),
-            )
-            .unwrap();
+        set(&mut instance, index::GEAR1_ANGLES_3, 1e-4);
+        set(&mut instance, index::GEAR2_ANGULAR_VELOCITY_3, -0.1);
+        set(&mut instance, index::GEAR1_VELOCITY_1, -0.0);
         let spin = [reference(index::GEAR1_ANGLES_3)];
         instance.set_input_derivatives(&spin, &[1], &[0.7]).unwrap();
         instance.exit_initialization().unwrap();
@@ -154,13 +140,9 @@ mod tests {
         let after = InstanceState::from_bytes(&bytes, "{guid}").unwrap();
         assert_eq!(after, before);
         assert_eq!(after.to_bytes("{guid}"), bytes);
-        let outputs: Vec<u32> = (100..131).collect();
         let read = |instance: &mut Instance| {
-            let mut values = Vec::new();
-            instance
-                .get(Kind::Real, &outputs, |x| values.push(x.to_bits()))
-                .unwrap();
-            values
+            let outputs = (INPUTS..FIRST_PARAMETER).map(|i| get(instance, i).to_bits());
+            outputs.collect::<Vec<_>>()
         };
         let expected = read(&mut instance);
         let mut other = on_table([8, 1, 1, 6], &[]);

@@ -108,9 +108,7 @@ pub fn output_row(i: usize) -> Option<usize> {
 }
 
 /// Index in [`VARIABLES`] of the variable of this `kind` with this reference.
-///
-/// # Errors
-/// No such variable, or one of another kind.
+/// Errors: no such variable, or one of another kind.
 pub fn find(kind: Kind, reference: u32) -> Result<usize, Refusal> {
     let i = index_of(reference).ok_or_else(|| {
         Refusal::error(format!(
@@ -128,9 +126,7 @@ pub fn find(kind: Kind, reference: u32) -> Result<usize, Refusal> {
 }
 
 /// Refuses NaN and infinities.
-///
-/// # Errors
-/// Such a `value` of the variable or seed `name`.
+/// Errors: such a `value` of the variable or seed `name`.
 pub fn check_finite(name: &str, value: f64) -> Result<(), Refusal> {
     match value.is_finite() {
         true => Ok(()),
@@ -141,9 +137,7 @@ pub fn check_finite(name: &str, value: f64) -> Result<(), Refusal> {
 }
 
 /// Refuses what is no value of `variable`: NaN, infinities, numbers outside its range, fractions of an enumeration.
-///
-/// # Errors
-/// Names variable, value and range.
+/// Errors: names variable, value and range.
 pub fn check_value(variable: &Variable, number: f64) -> Result<(), Refusal> {
     check_finite(variable.name, number)?;
     let (min, max) = match variable.kind {
@@ -182,16 +176,6 @@ pub fn template_starts() -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::element::CONTINUOUS_OUTPUTS;
-
-    #[test]
-    fn each_variable_is_served_by_the_functions_of_its_kind_alone() {
-        for (i, v) in VARIABLES.iter().enumerate() {
-            for kind in [Kind::Real, Kind::Enumeration, Kind::Boolean] {
-                let found = find(kind, v.value_reference).ok();
-                assert_eq!(found, (kind == v.kind).then_some(i), "{}", v.name);
-            }
-        }
-    }
 
     #[test]
     fn inputs_are_real_and_without_bounds_and_outputs_and_parameters_follow_them() {

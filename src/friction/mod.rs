@@ -6,12 +6,10 @@
 //! [`Sliding`]; what the oil and the speed say, in [`FrictionLaw`].
 
 mod coefficient;
-mod loss;
 mod sliding;
 
 pub use coefficient::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED, SegmentContact};
-pub use loss::{Loss, loss_factor_of, ohlendorf};
-pub use sliding::{Sliding, SlidingSums, TRANSITION_OVER_PITCH};
+pub use sliding::{Loss, Sliding, SlidingSums, loss_factor_of, ohlendorf};
 
 #[cfg(test)]
 use crate::gear::samples as gears;

@@ -9,7 +9,7 @@ mod gears;
 mod spring;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use gearmesh::element::{Element, FlankLaws, Formulation, LoadedFlank, Parameters, StiffnessModel};
+use gearmesh::element::{Element, Formulation, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::table::{FlankTable, Interpolation};
 use gearmesh_validation::driver::{Bearing, Gear, INERTIA, Scene, Spin, State};
 use gears::paper_pair;
@@ -114,11 +114,8 @@ fn six_freedoms(formulation: Formulation) -> (Scene, State) {
         ..quiet()
     };
     let grid = Spring::grid([10, 7, 9, 16]);
-    let laws = FlankLaws {
-        drive: Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap()),
-        coast: None,
-    };
-    let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
+    let law = Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap());
+    let element = Element::with_laws(&pair, &parameters, law, None).unwrap();
     let mut second = gear(&pair, 1, Spin::torque(100.0));
     second.bearing = Some(Bearing::springs([2e8, 2e8, 1e8], 1e5));
     let scene = Scene::new(element, [gear(&pair, 0, Spin::speed(0.0)), second]).unwrap();

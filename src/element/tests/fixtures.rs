@@ -14,6 +14,10 @@ use crate::table::{
 };
 use num_dual::{DualNum, HyperDual64};
 
+#[path = "../../../tests/common/element.rs"]
+mod shared;
+pub(crate) use shared::*;
+
 /// External, internal and ring as gear 1, helical, with profile shifts and tooth thinning, gear 1 of
 /// `hand`; the centre distances leave backlash.
 pub(crate) fn three_pairs(hand: f64) -> [PairGeometry; 3] {
@@ -60,9 +64,6 @@ impl Noise {
     }
 }
 
-/// Both formulations.
-pub(crate) const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
-
 /// Both formulations with [`three_pairs`] each.
 pub(crate) fn formulations_and_pairs(hand: f64) -> Vec<(Formulation, PairGeometry)> {
     let with_pairs = |f| three_pairs(hand).map(|pair| (f, pair));
@@ -72,16 +73,6 @@ pub(crate) fn formulations_and_pairs(hand: f64) -> Vec<(Formulation, PairGeometr
 /// One flank alone, with the sign and the index of it.
 pub(crate) const SINGLE_FLANKS: [(LoadedFlank, f64, usize); 2] =
     [(LoadedFlank::Drive, 1.0, 0), (LoadedFlank::Coast, -1.0, 1)];
-
-/// Constant stiffness without damping.
-pub(crate) fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
-    Parameters {
-        formulation,
-        loaded_flank,
-        damping: 0.0,
-        ..Parameters::default()
-    }
-}
 
 /// The element of `pair` with them.
 pub(crate) fn constant(
@@ -97,13 +88,13 @@ pub(crate) fn made(pair: &PairGeometry, parameters: &Parameters) -> Element {
     Element::new(pair, parameters, None).unwrap()
 }
 
-/// The element of `pair` on [`smooth_laws`] with all effects, undamped.
+/// The element of `pair` under [`DRIVE`], mirrored on the coast flank, with all effects, undamped.
 pub(crate) fn smooth(pair: &PairGeometry, formulation: Formulation, flank: LoadedFlank) -> Element {
     let parameters = Parameters {
         stiffness_model: StiffnessModel::Table,
         ..undamped(formulation, flank)
     };
-    Element::with_laws(pair, &parameters, &smooth_laws()).unwrap()
+    Element::with_laws(pair, &parameters, Arc::new(DRIVE), None).unwrap()
 }
 
 /// That of the paper's pair on one flank, with `damping`.
@@ -121,18 +112,6 @@ pub(crate) fn refusal(made: Result<Element, ElementError>) -> String {
 /// The phases of the nominal pose.
 pub(crate) fn nominal_phase(element: &Element) -> PhaseOffset {
     element.phase_offset(&element.nominal_inputs()).unwrap()
-}
-
-/// Loads at `inputs` with the phases of the nominal pose.
-pub(crate) fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    element.evaluate(&nominal_phase(element), inputs).unwrap()
-}
-
-/// Power that the contact gives to the gears, W.
-pub(crate) fn power(out: &Outputs, inputs: &Inputs) -> f64 {
-    (0..2)
-        .map(|i| out.force[i].dot(&inputs.gears[i].v) + out.moment[i].dot(&inputs.gears[i].w))
-        .sum()
 }
 
 /// Random velocities of both gears up to `v` and `w`.
@@ -197,13 +176,6 @@ pub(crate) fn moved(inputs: &Inputs, r: &Rotation3<f64>, p: &Vector3<f64>) -> In
         gears: [turn(&inputs.gears[0]), turn(&inputs.gears[1])],
         carrier: turn(&inputs.carrier),
     }
-}
-
-/// Gear `i` turned by `angle` about its own axis.
-pub(crate) fn spun(inputs: &Inputs, i: usize, angle: f64) -> Inputs {
-    let mut out = *inputs;
-    out.gears[i].r *= Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
-    out
 }
 
 /// The nominal pose with gear 1 turned so far that its flank `s` is compressed by `delta` (m, line of
@@ -293,14 +265,6 @@ pub(crate) const COAST: Smooth = Smooth {
     lever: -2.5e-3,
     stiffness: 3.8e8,
 };
-
-/// [`DRIVE`] on both flanks, mirrored on the coast flank.
-pub(crate) fn smooth_laws() -> FlankLaws {
-    FlankLaws {
-        drive: Arc::new(DRIVE),
-        coast: None,
-    }
-}
 
 /// Stress in the roots, Pa, of gear 1 and gear 2 at (force, centre distance offset, misalignment, mesh
 /// position) in [`rubbing_table`]; of the drive flank with `k` = 1.

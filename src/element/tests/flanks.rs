@@ -62,14 +62,6 @@ fn assert_mirrored(a: &Outputs, b: &Outputs) {
     assert_relative_eq!(turn - turn.round(), 0.0, epsilon = 1e-11);
 }
 
-/// Laws of the drive and the coast flank.
-fn laws(drive: Smooth, coast: Smooth) -> FlankLaws {
-    FlankLaws {
-        drive: Arc::new(drive),
-        coast: Some(Arc::new(coast)),
-    }
-}
-
 #[test]
 fn in_a_mirror_the_drive_flank_is_the_coast_flank_of_a_pair_of_the_other_hand() {
     use LoadedFlank::{Both, Coast, Drive};
@@ -81,7 +73,7 @@ fn in_a_mirror_the_drive_flank_is_the_coast_flank_of_a_pair_of_the_other_hand() 
         {
             for (flank, image_flank) in [(Drive, Coast), (Coast, Drive), (Both, Both)] {
                 // Phases are taken from one flank: with both those of the body frames are alike in the mirror.
-                let made = |pair, flank, laws| {
+                let made = |pair, flank, drive: Smooth, coast: Smooth| {
                     let parameters = Parameters {
                         phase_reference: match flank {
                             Both => PhaseReference::Absolute,
@@ -89,12 +81,14 @@ fn in_a_mirror_the_drive_flank_is_the_coast_flank_of_a_pair_of_the_other_hand() 
                         },
                         ..parameters(formulation, flank)
                     };
-                    let element = Element::with_laws(pair, &parameters, &laws).unwrap();
+                    let (drive, coast) = (Arc::new(drive), Arc::new(coast));
+                    let made = Element::with_laws(pair, &parameters, drive, Some(coast));
+                    let element = made.unwrap();
                     let phase = nominal_phase(&element);
                     (element, phase)
                 };
-                let (here, phase) = made(&pair, flank, laws(DRIVE, COAST));
-                let (there, image_phase) = made(&image, image_flank, laws(COAST, DRIVE));
+                let (here, phase) = made(&pair, flank, DRIVE, COAST);
+                let (there, image_phase) = made(&image, image_flank, COAST, DRIVE);
                 let mut seen = [0; 2];
                 let enough = if flank == Both { 5 } else { 0 };
                 while seen[0].min(seen[1]) < enough || seen[0] + seen[1] < 8 {
@@ -143,7 +137,7 @@ fn one_law_for_both_flanks_is_the_pair_turned_end_for_end() {
             // The paper's formulation looks at the z = 0 face alone, so the ends are not alike there.
             let [here, there] = [flank, SINGLE_FLANKS[1 - i].0].map(|flank| {
                 let parameters = parameters(Formulation::Conjugate, flank);
-                Element::with_laws(&pair, &parameters, &smooth_laws()).unwrap()
+                Element::with_laws(&pair, &parameters, Arc::new(DRIVE), None).unwrap()
             });
             let phase = nominal_phase(&here);
             let phase_over = there.phase_offset(&over(&here.nominal_inputs())).unwrap();

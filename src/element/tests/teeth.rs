@@ -1,6 +1,7 @@
 //! Claims about which teeth the element says are in mesh.
 
 use super::*;
+use crate::gear::PairGeometry;
 use crate::gear::teeth::Counts;
 use crate::table::{Potential, Query};
 use std::sync::Mutex;
@@ -27,6 +28,23 @@ impl Elasticity for Listener {
     }
 }
 
+/// `pair` with `law` on both flanks.
+fn under(
+    law: &Arc<impl Elasticity + 'static>,
+    pair: &PairGeometry,
+    formulation: Formulation,
+    flank: LoadedFlank,
+) -> Element {
+    let parameters = undamped(formulation, flank);
+    Element::with_laws(pair, &parameters, law.clone(), Some(law.clone())).unwrap()
+}
+
+/// The drive flank of the paper's pair under `law`.
+fn element(law: &Arc<impl Elasticity + 'static>) -> Element {
+    let pair = paper_pair(1.0);
+    under(law, &pair, Formulation::Conjugate, LoadedFlank::Drive)
+}
+
 /// Gears that turn through all combinations of their teeth: bodies forget whole turns, the teeth in mesh do not.
 #[test]
 fn the_pose_alone_says_which_teeth_of_either_gear_are_in_mesh() {
@@ -38,12 +56,7 @@ fn the_pose_alone_says_which_teeth_of_either_gear_are_in_mesh() {
         let [z1, z2] = [0, 1].map(|i| i64::from(pair.gears[i].teeth));
         for (flank, s, _) in SINGLE_FLANKS {
             let listener = Arc::new(Listener::default());
-            let laws = FlankLaws {
-                drive: listener.clone(),
-                coast: Some(listener.clone()),
-            };
-            let parameters = undamped(formulation, flank);
-            let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
+            let element = under(&listener, &pair, formulation, flank);
             let start = element.nominal_inputs();
             let phase = element.phase_offset(&start).unwrap();
             listener.0.lock().unwrap().clear();
@@ -60,16 +73,6 @@ fn the_pose_alone_says_which_teeth_of_either_gear_are_in_mesh() {
             }
         }
     }
-}
-
-/// The paper's pair under `law`.
-fn element(law: &Arc<impl Elasticity + 'static>) -> Element {
-    let laws = FlankLaws {
-        drive: law.clone(),
-        coast: None,
-    };
-    let parameters = undamped(Formulation::Conjugate, LoadedFlank::Drive);
-    Element::with_laws(&paper_pair(1.0), &parameters, &laws).unwrap()
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::data::Data;
 use crate::setup::{external_and_internal, ratio};
 use crate::spring::Spring;
 use crate::{Context, Result};
-use gearmesh::element::{Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank};
+use gearmesh::element::{Element, Formulation, Inputs, Interpolation, LoadedFlank};
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::FlankTable;
 use nalgebra::{Rotation3, Vector3};
@@ -206,7 +206,6 @@ fn sampled() -> Result<Vec<(&'static str, &'static str, Subject)>> {
     ring_first.gears.reverse();
     let grid = Spring::grid([10, 7, 9, 16]);
     let drive = Arc::new(FlankTable::new(&grid, Interpolation::Spline)?);
-    let laws = FlankLaws { drive, coast: None };
     let both = undamped(LoadedFlank::Both);
     let mut paper = both;
     paper.formulation = Formulation::Paper;
@@ -218,7 +217,7 @@ fn sampled() -> Result<Vec<(&'static str, &'static str, Subject)>> {
     ] {
         let backlash = pair.backlash(pair.center_distance);
         let subject = |element| Subject::new(&pair, element, LoadedFlank::Both, backlash);
-        let sampled = |parameters| Element::with_laws(&pair, parameters, &laws);
+        let sampled = |parameters| Element::with_laws(&pair, parameters, drive.clone(), None);
         all.push((name, "constant", subject(Element::new(&pair, &both, None)?)));
         all.push((name, "sampled", subject(sampled(&both)?)));
         all.push((name, "sampled, paper", subject(sampled(&paper)?)));

@@ -7,7 +7,7 @@ use crate::setup::external_and_internal;
 use crate::spring::Spring;
 use crate::{Context, Result};
 use gearmesh::element::{
-    Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
+    Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::FlankTable;
@@ -50,8 +50,7 @@ impl Case {
             Case::Sampled(geometry) => {
                 let grid = Spring::grid([10, 7, 9, 16]);
                 let drive = Arc::new(FlankTable::new(&grid, parameters.interpolation)?);
-                let laws = FlankLaws { drive, coast: None };
-                Element::with_laws(geometry, &parameters, &laws)?
+                Element::with_laws(geometry, &parameters, drive, None)?
             }
             Case::Real(real) => {
                 Element::new(&real.geometry, &parameters, Some(real.table.clone()))?

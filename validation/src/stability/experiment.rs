@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::driver::{Gear, INERTIA, Scene, Spin, State};
 use crate::setup::ratio;
-use gearmesh::element::{Elasticity, Element, FlankLaws, LoadedFlank, Parameters};
+use gearmesh::element::{Elasticity, Element, LoadedFlank, Parameters};
 use gearmesh::gear::PairGeometry;
 use gearmesh::gear::teeth::Counts;
 use gearmesh::table::{Potential, Query};
@@ -90,11 +90,9 @@ impl SingleFreedom {
         torque: f64,
         speed: Spin,
     ) -> Result<Self> {
-        let drive = Arc::new(law);
-        let laws = FlankLaws { drive, coast: None };
         let mut parameters = *parameters;
         parameters.loaded_flank = LoadedFlank::Drive;
-        let element = Element::with_laws(pair, &parameters, &laws)?;
+        let element = Element::with_laws(pair, &parameters, Arc::new(law), None)?;
         let rb = pair.gears[1].base_radius();
         let gears = [
             Gear::new(pair, 0, speed),

@@ -221,40 +221,44 @@ impl TransverseSection {
     /// edge: base radius times the angle by which the mate would have to turn to touch it.
     fn tip_corner(&self, end: usize, xi: f64) -> TransversePoint {
         let (tip, mate) = (1 - end, end);
-        let PairNumbers { q, tip_roll, .. } = self.numbers;
-        let [rb, mate_rb] = [tip, mate].map(|i| self.numbers.base_radius[i]);
+        let n = &self.numbers;
+        let (rb, q, tip_roll) = (n.base_radius[tip], n.q[tip], n.tip_roll[tip]);
+        let (mate_rb, mate_q) = (n.base_radius[mate], n.q[mate]);
         // y of the base tangent point seen from the centre, over the base radius.
-        let [up, mate_up] = [tip, mate].map(|i| [1.0, -self.numbers.e][i]);
+        let (up, mate_up) = if tip == 0 { (1.0, -n.e) } else { (-n.e, 1.0) };
         let turn = (xi - self.path[end]) / rb;
         let (sin, cos) = turn.sin_cos();
         // Seen from the centre of the tip's gear: towards its base tangent point, and along x.
-        let from_tip = [
-            rb * sin + q[tip] * tip_roll[tip] * cos,
-            rb * cos - q[tip] * tip_roll[tip] * sin,
-        ];
-        let x = from_tip[0] - q[tip] * rb * self.tan_phi;
+        let from_tip = [rb * sin + q * tip_roll * cos, rb * cos - q * tip_roll * sin];
+        let x = from_tip[0] - q * rb * self.tan_phi;
         let y = up * (from_tip[1] - rb);
         // Seen from the centre of the mate.
-        let (normal, along) = (mate_up * y + mate_rb, x + q[mate] * mate_rb * self.tan_phi);
+        let (normal, along) = (mate_up * y + mate_rb, x + mate_q * mate_rb * self.tan_phi);
         let radius = normal.hypot(along);
         let mate_roll = ((radius - mate_rb).max(0.0) * (radius + mate_rb)).sqrt();
         let (seen, involute) = (along.atan2(normal), (mate_roll / mate_rb).atan());
         let involute_angle =
-            (xi - q[mate] * (mate_roll - mate_rb * self.tan_phi)) / mate_rb + q[mate] * involute;
+            (xi - mate_q * (mate_roll - mate_rb * self.tan_phi)) / mate_rb + mate_q * involute;
         let behind = mate_rb * (involute_angle - seen);
-        let (mut roll, mut arms) = (tip_roll, [1.0; 2]);
-        roll[mate] = mate_roll;
         // The force acts along the mate's normal, turned by this about the mate's centre.
-        let turned = seen - q[mate] * involute;
-        arms[tip] = (from_tip[1] * turned.cos() + up * mate_up * from_tip[0] * turned.sin()) / rb;
+        let turned = seen - mate_q * involute;
+        let arm = (from_tip[1] * turned.cos() + up * mate_up * from_tip[0] * turned.sin()) / rb;
         // By how much the normals have turned out of the line of action: clockwise about a centre below it,
         // counter-clockwise about one above.
         let inclined = (up * turn - mate_up * turned).abs();
-        TransversePoint {
-            roll,
-            separation: if mate == 1 { behind } else { -behind },
-            slope: if tip == 0 { -inclined } else { inclined },
-            arms,
+        match tip == 0 {
+            true => TransversePoint {
+                roll: [tip_roll, mate_roll],
+                separation: behind,
+                slope: -inclined,
+                arms: [arm, 1.0],
+            },
+            false => TransversePoint {
+                roll: [mate_roll, tip_roll],
+                separation: -behind,
+                slope: inclined,
+                arms: [1.0, arm],
+            },
         }
     }
 

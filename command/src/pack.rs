@@ -64,7 +64,6 @@ impl UnitArgs {
         let contents = Contents {
             name: &tables.name,
             geometry: &tables.geometry,
-            tables: Some(tables),
             contact,
             starts: &Starts::of_tables(tables)?.with(&self.set),
         };
@@ -116,7 +115,6 @@ impl Pack {
             let contents = Contents {
                 name: &pair.name,
                 geometry: &pair.geometry,
-                tables: None,
                 contact: None,
                 starts: &starts.with(&self.unit.set),
             };

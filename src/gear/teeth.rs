@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-use super::{Flank, Microgeometry, PairGeometry};
+use super::{BothFlanks, Flank, Microgeometry, PairGeometry};
 
 /// Eccentricity of the teeth of a gear against its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -51,24 +51,22 @@ pub struct ToothErrors {
     pub weak: Vec<WeakTooth>,
 }
 
-/// Tooth errors of gear 1 and gear 2 on both flanks. The default: all teeth are alike.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct PairTeeth {
-    /// Drive flanks.
-    pub drive: [ToothErrors; 2],
-    /// Coast flanks.
-    pub coast: [ToothErrors; 2],
-}
-
-impl PairTeeth {
-    /// Those of one flank.
-    pub fn flank(&self, flank: Flank) -> &[ToothErrors; 2] {
-        match flank {
-            Flank::Drive => &self.drive,
-            Flank::Coast => &self.coast,
-        }
+impl ToothErrors {
+    /// Least and largest index error, m; infinite, the wrong way round, where there is none.
+    fn index_range(&self) -> [f64; 2] {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        (self.index.iter()).fold(none, |[a, b], x| [a.min(*x), b.max(*x)])
     }
 
+    fn runout_amount(&self) -> f64 {
+        self.runout.map_or(0.0, |runout| runout.amount)
+    }
+}
+
+/// Tooth errors of both gears on both flanks. The default: all teeth are alike.
+pub type PairTeeth = BothFlanks<ToothErrors>;
+
+impl PairTeeth {
     /// Whether all teeth are alike.
     pub fn are_alike(&self) -> bool {
         *self == PairTeeth::default()
@@ -76,23 +74,20 @@ impl PairTeeth {
 
     /// Bound of how far apart two tooth pairs can be in what errors of both gears close, on either flank, m.
     pub fn spread(&self) -> f64 {
-        self.larger_of_flanks(|[least, largest], runout| (largest - least).max(0.0) + runout)
+        self.larger_of_flanks(|gear| {
+            let [least, largest] = gear.index_range();
+            (largest - least).max(0.0) + gear.runout_amount()
+        })
     }
 
     /// Bound of what errors of both gears close together on either flank, m.
     pub fn largest_closing(&self) -> f64 {
-        self.larger_of_flanks(|[_, largest], runout| largest.max(0.0) + 0.5 * runout)
+        self.larger_of_flanks(|gear| gear.index_range()[1].max(0.0) + 0.5 * gear.runout_amount())
     }
 
-    /// Sum over both gears of the `bound` from their least and largest index error and their run-out, on the flank where it
-    /// is larger.
-    fn larger_of_flanks(&self, bound: impl Fn([f64; 2], f64) -> f64) -> f64 {
-        let gear = |errors: &ToothErrors| {
-            let none = [f64::INFINITY, f64::NEG_INFINITY];
-            let index = (errors.index.iter()).fold(none, |[a, b], x| [a.min(*x), b.max(*x)]);
-            bound(index, errors.runout.map_or(0.0, |r| r.amount))
-        };
-        let both = |gears: &[ToothErrors; 2]| gear(&gears[0]) + gear(&gears[1]);
+    /// Sum of `bound` over both gears, on the flank where it is larger.
+    fn larger_of_flanks(&self, bound: fn(&ToothErrors) -> f64) -> f64 {
+        let both = |[a, b]: &[ToothErrors; 2]| bound(a) + bound(b);
         both(&self.drive).max(both(&self.coast))
     }
 }

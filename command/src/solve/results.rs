@@ -319,9 +319,9 @@ pub fn nominal() -> Vec<Column<'static, NominalRootStress>> {
         "y_b", ["Y_B", "", 3] => n.rim_factor;
         "virtual_teeth" => n.virtual_teeth;
         "virtual_contact_ratio" => n.virtual_contact_ratio;
-        "load_angle_deg" => n.load_angle.to_degrees();
-        "h_fe_over_module" => n.lever_arm;
-        "s_fn_over_module" => n.chord;
-        "rho_f_over_module" => n.fillet_radius;
+        "load_angle_deg" => n.section.load_angle.to_degrees();
+        "h_fe_over_module" => n.section.lever_arm;
+        "s_fn_over_module" => n.section.chord;
+        "rho_f_over_module" => n.section.fillet_radius;
     }
 }

@@ -8,8 +8,8 @@ use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, COORDINATES, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile,
-    TeethFlank, TeethRecord,
+    Axes, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile, TeethFlank,
+    TeethRecord,
 };
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
@@ -114,30 +114,8 @@ fn query(random: &mut Random) -> Query {
     let misalignment = random.within(MISALIGNMENT);
     let tilt = misalignment.abs();
     let [low, high] = [-5e-6 - 1e-2 * tilt, 20e-6 - 3e-3 * tilt];
-    Query {
-        delta: low + share * (high - low),
-        center_distance_offset: 0.0,
-        misalignment,
-        mesh_position: random.within([-200.0, 200.0]),
-    }
-}
-
-fn coordinates(q: &Query) -> [f64; COORDINATES] {
-    [
-        q.delta,
-        q.center_distance_offset,
-        q.misalignment,
-        q.mesh_position,
-    ]
-}
-
-fn at([delta, center_distance_offset, misalignment, mesh_position]: [f64; COORDINATES]) -> Query {
-    Query {
-        delta,
-        center_distance_offset,
-        misalignment,
-        mesh_position,
-    }
+    let turn = random.within([-200.0, 200.0]);
+    Query::from([low + share * (high - low), 0.0, misalignment, turn])
 }
 
 /// Mesh cycles of both gears at which levels are compared.
@@ -145,7 +123,7 @@ const CYCLES: [i64; 2] = [3, -2];
 
 /// Contact at run time there.
 fn exact(contact: &RuntimeContact, q: &Query) -> ContactPotential {
-    let found = contact.potential(coordinates(q), CYCLES, &mut Warm::default());
+    let found = contact.potential(q.coordinates(), CYCLES, &mut Warm::default());
     found.unwrap()
 }
 
@@ -230,7 +208,7 @@ fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
             let mesh_position = random.within([-200.0, 200.0]);
             let approach = |carried: &dyn Fn(&Query) -> f64| {
                 bisection([-60e-6, 60e-6], 40, |delta| {
-                    carried(&at([delta, 0.0, 0.0, mesh_position])) < force
+                    carried(&Query::from([delta, 0.0, 0.0, mesh_position])) < force
                 })
             };
             let found = approach(&|q| level.evaluate(q, CYCLES, false).gradient[0]);
@@ -341,12 +319,12 @@ fn loads_are_slopes(level: &TeethFlank) {
         }
         loaded += 1;
         shared += usize::from(w.hessian[0][0] > 2.5e8);
-        let x = coordinates(&q);
+        let x = q.coordinates();
         for (k, step) in [(0, 1e-8), (2, 2e-7), (3, 5e-5)] {
             let side = |h: f64| {
                 let mut x = x;
                 x[k] += h * step;
-                level.evaluate(&at(x), [5, 5], false)
+                level.evaluate(&Query::from(x), [5, 5], false)
             };
             let sides = [side(1.0), side(-1.0), side(2.0), side(-2.0)];
             let slope = |of: &dyn Fn(&Potential) -> f64| {
@@ -394,7 +372,7 @@ fn neighbours_lift_off_and_touch_without_a_jump() {
     for position in [0.1, 4.4, 7.8] {
         let along = (0..4000).map(|i| {
             let delta = -20e-6 + 12.5e-9 * f64::from(i);
-            level.evaluate(&at([delta, 0.0, 0.0, position]), [0; 2], false)
+            level.evaluate(&Query::from([delta, 0.0, 0.0, position]), [0; 2], false)
         });
         let along: Vec<Potential> = along.collect();
         for (before, w) in along.iter().zip(&along[1..]) {
@@ -528,7 +506,7 @@ fn a_flank_of_its_own_has_a_coupling_of_its_own() {
         coast_coupling_m_per_n: Some(vec![vec![0.0]]),
         ..coast.clone()
     };
-    let q = at([13e-6, 0.0, 0.0, 0.5]);
+    let q = Query::from([13e-6, 0.0, 0.0, 0.5]);
     let geometry = &READY.pair.geometry;
     let force = |record: &TeethRecord, flank| {
         let level = TeethFlank::new(record, geometry, flank, &EFFECTS).unwrap();

@@ -29,7 +29,7 @@ use gearmesh::fmi::resources::{
 };
 use gearmesh::fmi::variables::MODEL_IDENTIFIER;
 use gearmesh::gear::PairGeometry;
-use gearmesh::table::{Table, TableFile};
+use gearmesh::table::TableFile;
 
 /// What goes into one FMU.
 #[derive(Debug, Clone, Copy)]
@@ -103,7 +103,7 @@ pub fn pack(
         geometry: contents.geometry.clone(),
     };
     let table = contents.starts.table.as_ref();
-    let table_file = table.map(Table::file);
+    let table_file = table.map(|table| &**table.file());
     let tables = table_file.map(TableFile::to_json);
     let contact = contents.contact.map(ContactFile::to_bytes);
     unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);

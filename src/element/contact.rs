@@ -35,22 +35,26 @@ impl<T: Scalar> Pose<T> {
     #[inline(always)]
     pub(crate) fn new(el: &Element, inputs: &Inputs) -> Result<Self, ElementError> {
         let k = &el.constants;
-        let map = Map::new(k, el.parameters.formulation, &inputs.gears)?;
-        let carried = match el.parameters.formulation {
-            Formulation::Paper if map.in_reach => Some(Carried::new(k, inputs)?),
-            _ => None,
-        };
-        let with_lever = carried
-            .as_ref()
-            .filter(|_| el.parameters.misalignment_effect);
+        let formulation = el.parameters.formulation;
+        let map = Map::new(k, formulation, &inputs.gears)?;
+        if formulation == Formulation::Conjugate || !map.in_reach {
+            return Ok(Pose {
+                coordinates: map.coordinates(k, &inputs.gears),
+                lever: T::from(0.0),
+                map,
+                carried: None,
+            });
+        }
+        let carried = Carried::new(k, inputs)?;
         Ok(Pose {
-            coordinates: match &carried {
-                None => map.coordinates(k, &inputs.gears),
-                Some(carried) => carried.coordinates(k),
+            coordinates: carried.coordinates(k),
+            lever: if el.parameters.misalignment_effect {
+                carried.middle
+            } else {
+                T::from(0.0)
             },
-            lever: with_lever.map_or(T::from(0.0), |carried| carried.middle),
             map,
-            carried,
+            carried: Some(carried),
         })
     }
 
@@ -88,6 +92,7 @@ impl<T: Scalar> Pose<T> {
         }
     }
 
+    /// Misalignment of flank `i`.
     #[inline(always)]
     pub(crate) fn misalignment(&self, i: usize) -> T {
         let [even, odd] = self.coordinates.misalignment;

@@ -22,7 +22,7 @@ pub struct InterpolationError {
 impl InterpolationError {
     /// Of errors of force and shuttling moment at random points, each relative to its nominal one.
     pub fn of(errors: &[[f64; 2]]) -> Self {
-        let [force, moment] = [0, 1].map(|k| rms_and_largest(errors.iter().map(|e| e[k])));
+        let [force, moment] = [0, 1].map(|k| rms_and_largest(errors, k));
         InterpolationError {
             points: errors.len(),
             force_rms: force[0],
@@ -45,19 +45,16 @@ impl InterpolationError {
     }
 }
 
-/// Root of the mean square of `errors`, and the largest.
-pub fn rms_and_largest(errors: impl ExactSizeIterator<Item = f64> + Clone) -> [f64; 2] {
-    let squares: f64 = errors.clone().map(|e| e * e).sum();
-    let count = errors.len() as f64;
-    [
-        (squares / count).sqrt(),
-        errors.map(f64::abs).fold(0.0, f64::max),
-    ]
+/// Root of the mean square of the `k`th of each of `errors`, and the largest.
+fn rms_and_largest(errors: &[[f64; 2]], k: usize) -> [f64; 2] {
+    let errors = errors.iter().map(|e| e[k]);
+    let mean_square = errors.clone().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+    [mean_square.sqrt(), errors.map(f64::abs).fold(0.0, f64::max)]
 }
 
 /// Error at operating points that are no nodes, relative to the largest stress of the gear over the mesh cycle at
 /// nominal torque, nominal centre distance and parallel axes; of both gears and flanks the larger one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RootStressError {
     /// Number of random operating points.
@@ -69,6 +66,16 @@ pub struct RootStressError {
 }
 
 impl RootStressError {
+    /// Of relative errors of gear 1 and gear 2 at random points.
+    pub fn of(errors: &[[f64; 2]]) -> Self {
+        let [gear1, gear2] = [0, 1].map(|k| rms_and_largest(errors, k));
+        RootStressError {
+            points: errors.len(),
+            rms: gear1[0].max(gear2[0]),
+            maximum: gear1[1].max(gear2[1]),
+        }
+    }
+
     /// Both flanks together.
     #[must_use]
     pub fn with(self, other: RootStressError) -> RootStressError {

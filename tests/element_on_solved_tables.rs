@@ -322,7 +322,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         ..every
     };
     let drive = roots.samples(&axes, &QUIET).unwrap();
-    let stress = LoadSpline::new(&axes, &drive, [true; 2]).unwrap();
+    let stress = LoadSpline::new(axes.nodes(), &drive.columns(), [true; 2]).unwrap();
     let error = roots.measure(&coverage, &stress, 200, &QUIET).unwrap();
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
@@ -348,7 +348,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
             root_stress: true,
             ..undamped(formulation, LoadedFlank::Drive)
         };
-        let file = Arc::new(table.file().clone());
+        let file = table.file().clone();
         let table = Table::with_effects(file, parameters.table_effects(geometry)).unwrap();
         let table = Some(Arc::new(table));
         match stiffness_model {

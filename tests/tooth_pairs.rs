@@ -7,8 +7,8 @@ use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, COORDINATES, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile,
-    TeethFlank, TeethRecord,
+    Axes, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile, TeethFlank,
+    TeethRecord,
 };
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
@@ -123,30 +123,8 @@ fn query(random: &mut Random) -> Query {
     let misalignment = random.within(MISALIGNMENT);
     let tilt = misalignment.abs();
     let [low, high] = [-5e-6 - 1e-2 * tilt, 20e-6 - 3e-3 * tilt];
-    Query {
-        delta: low + share * (high - low),
-        center_distance_offset: 0.0,
-        misalignment,
-        mesh_position: random.within([-200.0, 200.0]),
-    }
-}
-
-fn coordinates(q: &Query) -> [f64; COORDINATES] {
-    [
-        q.delta,
-        q.center_distance_offset,
-        q.misalignment,
-        q.mesh_position,
-    ]
-}
-
-fn at(x: [f64; COORDINATES]) -> Query {
-    Query {
-        delta: x[0],
-        center_distance_offset: x[1],
-        misalignment: x[2],
-        mesh_position: x[3],
-    }
+    let turn = random.within([-200.0, 200.0]);
+    Query::from([low + share * (high - low), 0.0, misalignment, turn])
 }
 
 /// Nominal force, N, and moment of it at an end of the face, N m.
@@ -170,7 +148,7 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
     for _ in 0..n {
         let q = query(&mut random);
         let found = level.evaluate(&q, [3, -2], false);
-        let exact = contact.potential(coordinates(&q), [3, -2], &mut Warm::default());
+        let exact = contact.potential(q.coordinates(), [3, -2], &mut Warm::default());
         let exact = exact.unwrap();
         squares[0] += ((found.gradient[0] - exact.gradient[0]) / force).powi(2);
         squares[1] += ((found.gradient[2] - exact.gradient[2]) / moment).powi(2);
@@ -205,7 +183,7 @@ fn the_loss_with_class_6_errors_is_that_of_contact_at_run_time() {
                 if !(load..2.0 * load).contains(&(w.gradient[0] / nominal()[0])) {
                     continue;
                 }
-                let there = contact.potential(coordinates(&q), [3, -2], &mut Warm::default());
+                let there = contact.potential(q.coordinates(), [3, -2], &mut Warm::default());
                 found += sliding.distance;
                 exact += there.unwrap().sliding.distance;
                 n += 1;
@@ -235,12 +213,12 @@ fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
             let mesh_position = random.within([-200.0, 200.0]);
             let approach = |carried: &dyn Fn(&Query) -> f64| {
                 bisection([-60e-6, 60e-6], 40, |delta| {
-                    carried(&at([delta, 0.0, 0.0, mesh_position])) < force
+                    carried(&Query::from([delta, 0.0, 0.0, mesh_position])) < force
                 })
             };
             let found = approach(&|q| level.evaluate(q, [3, -2], false).gradient[0]);
             let exact = approach(&|q| {
-                let found = contact.potential(coordinates(q), [3, -2], &mut Warm::default());
+                let found = contact.potential(q.coordinates(), [3, -2], &mut Warm::default());
                 found.unwrap().gradient[0]
             });
             sum += found - exact;
@@ -352,12 +330,12 @@ fn assert_loads_are_slopes(level: &TeethFlank) {
         }
         loaded += 1;
         shared += usize::from(w.hessian[0][0] > 2.5e8);
-        let x = coordinates(&q);
+        let x = q.coordinates();
         for (k, step) in [(0, 1e-8), (2, 2e-7), (3, 5e-5)] {
             let side = |h: f64| {
                 let mut x = x;
                 x[k] += h * step;
-                level.evaluate(&at(x), [5, 5], false)
+                level.evaluate(&Query::from(x), [5, 5], false)
             };
             let sides = [side(1.0), side(-1.0), side(2.0), side(-2.0)];
             let slope = |of: &dyn Fn(&Potential) -> f64| {
@@ -417,7 +395,7 @@ fn neighbours_lift_off_and_touch_without_a_jump() {
     for position in [0.1, 4.4, 7.8] {
         let along = (0..4000).map(|i| {
             let delta = -20e-6 + 12.5e-9 * f64::from(i);
-            level.evaluate(&at([delta, 0.0, 0.0, position]), [0; 2], false)
+            level.evaluate(&Query::from([delta, 0.0, 0.0, position]), [0; 2], false)
         });
         let along: Vec<Potential> = along.collect();
         for (before, w) in along.iter().zip(&along[1..]) {
@@ -561,7 +539,7 @@ fn a_flank_of_its_own_has_a_coupling_of_its_own() {
         coast_coupling_m_per_n: Some(vec![vec![0.0]]),
         ..coast.clone()
     };
-    let q = at([13e-6, 0.0, 0.0, 0.5]);
+    let q = Query::from([13e-6, 0.0, 0.0, 0.5]);
     let geometry = &READY.pair.geometry;
     let force = |record: &TeethRecord, flank| {
         let level = TeethFlank::new(record, geometry, flank, &EFFECTS).unwrap();

@@ -91,10 +91,8 @@ pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec
     let heads = in_text(columns).map(|column| column.head.clone()).collect();
     let units = in_text(columns).map(|column| column.unit.into()).collect();
     let cells = |row| in_text(columns).map(|c| c.in_words(&row)).collect();
-    [heads, units]
-        .into_iter()
-        .chain(rows.into_iter().map(cells))
-        .collect()
+    let lines = [heads, units].into_iter();
+    lines.chain(rows.into_iter().map(cells)).collect()
 }
 
 pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
@@ -124,12 +122,9 @@ pub fn object<T>(columns: &[Column<T>], row: &T) -> Map<String, Value> {
 }
 
 /// A JSON object with a list over `rows` for every column.
-pub fn lists<T>(
-    columns: &[Column<T>],
-    rows: impl Iterator<Item = T> + Clone,
-) -> Map<String, Value> {
+pub fn lists<T>(columns: &[Column<T>], rows: &[T]) -> Map<String, Value> {
     let list = |column: &Column<T>| {
-        let values = rows.clone().map(|row| (column.value)(&row));
+        let values = rows.iter().map(|row| (column.value)(row));
         (column.name.clone(), values.collect())
     };
     named(columns).map(list).collect()

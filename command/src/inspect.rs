@@ -95,8 +95,7 @@ fn table_file(file: &TableFile) -> Result<String> {
 fn fmu(path: &Path) -> Result<String> {
     let found = package::inspect(path)?;
     let unit = &found.unit;
-    let tables = found.tables.as_deref().map(TableFile::from_json);
-    let tables = tables.transpose()?;
+    let tables = (found.tables.as_deref().map(TableFile::from_json)).transpose()?;
     let contact_error = found.contact_error.as_ref();
     let error = level_error(unit, tables.as_ref(), contact_error);
     let mut rows = Listing::default();
@@ -105,23 +104,19 @@ fn fmu(path: &Path) -> Result<String> {
         "platforms" => "{}", found.platforms.join(", ");
     }
     if let Some(time) = evaluation_time(path, &unit.guid)? {
-        rows! { rows;
-            "time of one evaluation" => "{:.2} us on this machine, under nominal torque and with the start values below", 1e6 * time;
-        }
+        let us = 1e6 * time;
+        rows! { rows; "time of one evaluation" => "{us:.2} us on this machine, under nominal torque and with the start values below"; }
     }
-    let mut step = format!("{:?} s", found.step_size);
-    if let Some(error) = package::step_error(unit, tables.as_ref(), found.step_size) {
-        step += &format!(
-            "; costs {:.2} % rms of the variation of mesh.transmissionError under a load applied over 2 ms",
-            100.0 * error
-        );
+    let step = found.step_size;
+    match package::step_error(unit, tables.as_ref(), step) {
+        None => rows.row("communication step", format!("{step:?} s")),
+        Some(error) => rows! { rows;
+            "communication step" => "{step:?} s; costs {:.2} % rms of the variation of mesh.transmissionError under a load applied \
+                 over 2 ms", 100.0 * error;
+        },
     }
-    rows.row("communication step", step);
     if contact_error.is_some() && !error.starts_with("contact:") {
-        rows.row(
-            "error of contact at run time",
-            run_time_error(contact_error),
-        );
+        rows! { rows; "error of contact at run time" => "{}", run_time_error(contact_error); }
     }
     rows.row("error", error);
     for (name, value) in &unit.starts {
@@ -167,16 +162,19 @@ fn level_error(
         ("table", Some(tables)) => {
             let error = tables.interpolation_error.map(|error| error.to_string());
             let error = error.unwrap_or("not measured".into());
-            let offsets = tables.axes.center_distance_offset.len();
-            let effects = [
+            let mut less = Vec::new();
+            for (i, nodes) in [
                 (index::LOAD_DEPENDENT, 2),
-                (index::CENTER_DISTANCE_EFFECT, offsets),
+                (
+                    index::CENTER_DISTANCE_EFFECT,
+                    tables.axes.center_distance_offset.len(),
+                ),
                 (index::MISALIGNMENT_EFFECT, tables.axes.misalignment.len()),
-            ];
-            let is_less = |(i, nodes): &(usize, usize)| start(*i) == 0.0 && *nodes > 1;
-            let less = effects.into_iter().filter(is_less);
-            let less = less.map(|(i, _)| format!("{} = false", VARIABLES[i].name));
-            let mut less: Vec<String> = less.collect();
+            ] {
+                if start(i) == 0.0 && nodes > 1 {
+                    less.push(format!("{} = false", VARIABLES[i].name));
+                }
+            }
             if item(index::INTERPOLATION) != "spline" {
                 less.push("another interpolation".into());
             }

@@ -1,7 +1,7 @@
 //! The command `gearmesh`: from the pair file to tables, an FMU and a report.
 //!
-//! One file per subcommand. Results go to standard output, progress and errors to standard error,
-//! and the exit status is 0 only when the whole thing was done.
+//! Results go to standard output, progress and errors to standard error, and the exit status is 0 only when the whole
+//! thing was done.
 
 /// Ends a function with an error in these words.
 macro_rules! refuse {
@@ -12,13 +12,13 @@ macro_rules! refuse {
 
 mod case;
 mod columns;
-mod import;
 mod inspect;
 mod limits;
 mod model;
 mod new;
 mod output;
 mod pack;
+mod page;
 mod pair_summary;
 mod report;
 mod rexs;
@@ -28,12 +28,14 @@ mod tables;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use gearmesh_preprocessor::storage::uninterrupted;
 
 /// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
 #[derive(Debug, Parser)]
 #[command(name = "gearmesh", version, propagate_version = true)]
+// A value such as -10 is no option: it is for the option's own limits to refuse it.
+#[command(mut_subcommands(|command| command.allow_negative_numbers(true)))]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -44,7 +46,7 @@ enum Command {
     New(new::New),
     Solve(solve::Solve),
     Tables(tables::Tables),
-    Import(import::Import),
+    Import(tables::Import),
     Build(pack::Build),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
@@ -71,12 +73,7 @@ fn stop_on_signals() -> Result<()> {
 }
 
 fn main() -> ExitCode {
-    // A value such as -10 is no option: it is for the option's own limits to refuse it.
-    let cli = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
-    let command = match Cli::from_arg_matches(&cli.get_matches()) {
-        Ok(cli) => cli.command,
-        Err(error) => error.exit(),
-    };
+    let command = Cli::parse().command;
     let result = stop_on_signals().and_then(|()| match command {
         Command::New(command) => command.run(),
         Command::Solve(command) => command.run(),

@@ -145,8 +145,8 @@ impl ModelArgs {
 
     pub fn are_cached(&self, pair: &Pair) -> Result<bool> {
         let (geometry, settings) = (&pair.geometry, self.settings(pair));
-        let known = |cache| PairCompliance::is_kept(geometry, &settings, &cache);
-        Ok(self.cache_in_use().map_or(Ok(false), known)?)
+        let is_kept = |cache| PairCompliance::is_kept(geometry, &settings, &cache);
+        Ok(self.cache_in_use().map_or(Ok(false), is_kept)?)
     }
 
     fn settings(&self, pair: &Pair) -> Settings {

@@ -64,7 +64,6 @@ impl UnitArgs {
         let contents = Contents {
             name: &tables.name,
             geometry: &tables.geometry,
-            tables: Some(tables),
             contact,
             starts: &Starts::of_tables(tables)?.with(&self.set),
         };
@@ -85,10 +84,9 @@ impl UnitArgs {
             return Ok(words);
         };
         let platform = only.split(' ').next().unwrap_or(only);
-        let other = if platform == "win64" {
-            "Linux"
-        } else {
-            "Windows"
+        let other = match platform {
+            "win64" => "Linux",
+            _ => "Windows",
         };
         Ok(format!(
             "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"
@@ -104,11 +102,9 @@ impl Pack {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
                 let (tables, error) = (tables.display(), output::chain(&error));
-                let is_pair = !is_tables(&text);
-                let remedy = if is_pair {
-                    "; a pair file is packed by `--pair`"
-                } else {
-                    ""
+                let remedy = match is_tables(&text) {
+                    true => "",
+                    false => "; a pair file is packed by `--pair`",
                 };
                 format!("--tables = {tables}: {error}{remedy}")
             })?;
@@ -119,7 +115,6 @@ impl Pack {
             let contents = Contents {
                 name: &pair.name,
                 geometry: &pair.geometry,
-                tables: None,
                 contact: None,
                 starts: &starts.with(&self.unit.set),
             };
@@ -152,19 +147,17 @@ pub struct Build {
 impl Build {
     pub fn run(self) -> Result<()> {
         // A missing library shall not cost the time of the tables.
-        let libraries = self.unit.libraries()?;
-        let set = &self.unit.set;
+        let (unit, set) = (&self.unit, &self.unit.set);
+        let libraries = unit.libraries()?;
         let (mut grid, mut model) = (self.grid, self.model);
         // What the FMU starts with must be in its tables.
         grid.friction |= set.contains(&Setting::FRICTION);
         model.root_stress |= set.contains(&Setting::ROOT_STRESS);
         grid.teeth |= set.contains(&Setting::TEETH);
         let contact = self.contact || set.contains(&Setting::CONTACT);
-        let made = tables::compute(&self.pair, &self.unit.output, &grid, contact, &model)?;
+        let made = tables::compute(&self.pair, &unit.output, &grid, contact, &model)?;
         let (contact, more) = (made.contact.as_ref(), format!("; {}", made.text));
-        let words = self
-            .unit
-            .pack_tables(&made.file, contact, &libraries, &more)?;
+        let words = unit.pack_tables(&made.file, contact, &libraries, &more)?;
         output::print(&format!("Wrote {words}"))
     }
 }

@@ -22,9 +22,8 @@ pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
         rows
     });
     let (name, operating) = (&pair.name, operating(pair));
-    let notes: String = (pair.warnings.iter())
-        .map(|note| format!("\nnote: {note}\n"))
-        .collect();
+    let notes = pair.warnings.iter().map(|note| format!("\nnote: {note}\n"));
+    let notes: String = notes.collect();
     format!("{name}\n{mesh}\ngear 1\n{one}\ngear 2\n{two}\noperating\n{operating}{notes}")
 }
 
@@ -198,10 +197,8 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
                 all[name] = json!({ "amount_um": 1e6 * r.amount, "start": forms(r.start_roll), "end": forms(r.end_roll) });
             }
         }
-        for (name, relief) in ["lower_end_relief", "upper_end_relief"]
-            .into_iter()
-            .zip(m.end_relief)
-        {
+        let [lower, upper] = m.end_relief;
+        for (name, relief) in [("lower_end_relief", lower), ("upper_end_relief", upper)] {
             if let Some(r) = relief {
                 all[name] = json!({ "amount_um": 1e6 * r.amount, "length_mm": 1e3 * r.length, "shape": r.shape });
             }

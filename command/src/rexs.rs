@@ -111,10 +111,7 @@ pub fn pair_file(path: &Path, stage: Option<u64>, torque: Option<f64>) -> Result
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let name = path.file_stem().unwrap_or("rexs".as_ref());
     let taken = || -> Result<Taken> {
-        let model = &match text.starts_with('{') {
-            true => Model::of_json(text),
-            false => Model::of_xml(text),
-        }?;
+        let model = &Model::read(text)?;
         let (stage, gears) = model.stage(stage)?;
         let draft = Draft {
             model,
@@ -162,16 +159,16 @@ impl Relation {
 }
 
 impl Model {
-    fn of_json(text: &str) -> Result<Model> {
-        let wrong = |error| format!("no REXS file: {error}");
-        let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
-        if !file["model"].is_object() {
-            refuse!("it has no `model`, as REXS files in JSON have");
+    /// The model in the `text` of a file, XML or JSON.
+    fn read(text: &str) -> Result<Model> {
+        let wrong = |error: serde_json::Error| format!("no REXS file: {error}");
+        if text.starts_with('{') {
+            let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
+            if !file["model"].is_object() {
+                refuse!("it has no `model`, as REXS files in JSON have");
+            }
+            return Ok(serde_json::from_value(file["model"].take()).map_err(wrong)?);
         }
-        Ok(serde_json::from_value(file["model"].take()).map_err(wrong)?)
-    }
-
-    fn of_xml(text: &str) -> Result<Model> {
         let remedy = "give the .rexs (XML) or .rexsj (JSON) file";
         let document = roxmltree::Document::parse(text);
         let document = document.map_err(|e| format!("no REXS file: {e}; {remedy}"))?;
@@ -186,7 +183,7 @@ impl Model {
             let parts = root.children().filter(|c| c.has_tag_name(part));
             model.extend(parts.flat_map(|part| element(part, 2)));
         }
-        Ok(serde_json::from_value(model.into()).map_err(|e| format!("no REXS file: {e}"))?)
+        Ok(serde_json::from_value(model.into()).map_err(wrong)?)
     }
 
     fn component(&self, id: &str) -> Option<&Component> {
@@ -364,9 +361,8 @@ impl<'a> Draft<'a> {
         }
         let of_head = |head| self.notes.iter().filter(move |note| note.0 == head);
         let lines = HEADS.into_iter().flat_map(of_head);
-        let lines: Vec<String> = lines
-            .map(|(head, line)| format!("{head}: {line}\n"))
-            .collect();
+        let lines = lines.map(|(head, line)| format!("{head}: {line}\n"));
+        let lines: Vec<String> = lines.collect();
         let comments: String = lines.iter().map(|line| format!("// {line}")).collect();
         Ok(Taken {
             text: format!("{comments}{file:#}\n"),

@@ -69,10 +69,10 @@ fn assert_sound(pair: &Pair) {
         }
     }
     let torque = pair.operating.nominal_torque;
-    let coupling = Starts::constant_stiffness(g, torque).coupling(g);
+    let dynamics = Starts::constant_stiffness(g, torque).dynamics(g);
     assert!(
-        coupling.damping >= 0.0 && coupling.damping.is_finite(),
+        dynamics.damping >= 0.0 && dynamics.damping.is_finite(),
         "damping {}",
-        coupling.damping
+        dynamics.damping
     );
 }

@@ -62,11 +62,7 @@ pub fn formula(counts: [usize; 4]) -> TableFile {
             gear_2_pa: values(2e7),
         },
         coast: None,
-        interpolation_error: RootStressError {
-            points: 10,
-            rms: 0.01,
-            maximum: 0.02,
-        },
+        interpolation_error: RootStressError::default(),
     });
     file.teeth = Some(TeethRecord {
         axes: file.axes.clone(),
@@ -148,7 +144,7 @@ fn evaluate(table: &Table) {
             teeth: file.teeth.is_some(),
             ..*table.effects()
         };
-        let Some(table) = told(table.sliced(&effects)) else {
+        let Some(table) = told(Table::with_effects(file.clone(), effects)) else {
             continue;
         };
         for flank in [Flank::Drive, Flank::Coast] {

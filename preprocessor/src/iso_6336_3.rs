@@ -21,14 +21,8 @@ pub struct NominalRootStress {
     pub virtual_teeth: f64,
     /// Transverse contact ratio of the virtual gears (epsilon_alpha_n).
     pub virtual_contact_ratio: f64,
-    /// Angle of the load at the outer point of single pair contact (alpha_Fen), rad.
-    pub load_angle: f64,
-    /// Lever arm of this load (h_Fe) over the normal module.
-    pub lever_arm: f64,
-    /// Chord of the critical section (s_Fn) over the normal module.
-    pub chord: f64,
-    /// Fillet radius there (rho_F) over the normal module.
-    pub fillet_radius: f64,
+    /// The critical section and its load.
+    pub section: RootSection,
     /// Form factor (Y_F).
     pub form_factor: f64,
     /// Stress correction factor (Y_S).
@@ -41,12 +35,17 @@ pub struct NominalRootStress {
     pub stress: f64,
 }
 
-/// Chord, lever arm and fillet radius, over the normal module, and the load angle, rad.
-struct Section {
-    chord: f64,
-    lever_arm: f64,
-    fillet_radius: f64,
-    load_angle: f64,
+/// The critical section of a tooth root and the load at the outer point of single pair contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RootSection {
+    /// Chord (s_Fn) over the normal module.
+    pub chord: f64,
+    /// Lever arm of the load (h_Fe) over the normal module.
+    pub lever_arm: f64,
+    /// Fillet radius (rho_F) over the normal module.
+    pub fillet_radius: f64,
+    /// Angle of the load (alpha_Fen), rad.
+    pub load_angle: f64,
 }
 
 impl NominalRootStress {
@@ -63,7 +62,7 @@ impl NominalRootStress {
             GearKind::External => external(gear, virtual_teeth, virtual_contact_ratio),
             GearKind::Ring => drawn(&virtual_spur(gear, virtual_teeth), virtual_contact_ratio)?,
         };
-        let Section {
+        let RootSection {
             chord,
             lever_arm,
             fillet_radius,
@@ -91,10 +90,7 @@ impl NominalRootStress {
         Some(NominalRootStress {
             virtual_teeth,
             virtual_contact_ratio,
-            load_angle,
-            lever_arm,
-            chord,
-            fillet_radius,
+            section,
             form_factor,
             correction_factor,
             helix_factor,
@@ -122,7 +118,7 @@ fn rim_factor(gear: &Gear) -> Option<f64> {
 }
 
 /// ISO 6336-3:2006, equations (10) to (31), for a gear cut by a rack without protuberance; lengths over the module.
-fn external(gear: &Gear, z_n: f64, contact_ratio: f64) -> Section {
+fn external(gear: &Gear, z_n: f64, contact_ratio: f64) -> RootSection {
     let alpha_n = gear.normal_pressure_angle;
     let (h, rho) = (gear.dedendum_coefficient, gear.tool_tip_radius_coefficient);
     let e = FRAC_PI_4 - h * alpha_n.tan() - (1.0 - alpha_n.sin()) * rho / alpha_n.cos();
@@ -152,7 +148,7 @@ fn external(gear: &Gear, z_n: f64, contact_ratio: f64) -> Section {
         * ((gamma.cos() - gamma.sin() * load_angle.tan()) * load
             - z_n * (FRAC_PI_3 - theta).cos()
             - root);
-    Section {
+    RootSection {
         chord,
         lever_arm,
         fillet_radius,
@@ -176,7 +172,7 @@ fn virtual_spur(gear: &Gear, teeth: f64) -> Gear {
 
 /// The same terms from the outline as it is, in the transverse section: tangents at 30 degrees (ring: 60). None for a fillet
 /// without such a tangent.
-fn drawn(gear: &Gear, contact_ratio: f64) -> Option<Section> {
+fn drawn(gear: &Gear, contact_ratio: f64) -> Option<RootSection> {
     let profile = ToothProfile::new(gear).ok()?;
     let tangent: f64 = match gear.kind {
         GearKind::External => FRAC_PI_6,
@@ -202,7 +198,7 @@ fn drawn(gear: &Gear, contact_ratio: f64) -> Option<Section> {
     let slope = load.normal[0] / load.normal[1];
     let crossing = load.position[0] - load.position[1] * slope;
     let m = gear.normal_module;
-    Some(Section {
+    Some(RootSection {
         chord: 2.0 * root.position[1].abs() / m,
         lever_arm: gear.kappa() * (crossing - root.position[0]) / m,
         fillet_radius: chord / turned / m,
@@ -230,43 +226,28 @@ mod tests {
         }
     }
 
-    fn assert_same(own: &Section, seen: &Section) {
-        assert_relative_eq!(own.chord, seen.chord, max_relative = 1e-9);
-        assert_relative_eq!(own.fillet_radius, seen.fillet_radius, max_relative = 1e-4);
-        assert_relative_eq!(own.load_angle, seen.load_angle, max_relative = 1e-9);
-        assert_relative_eq!(own.lever_arm, seen.lever_arm, max_relative = 1e-9);
-    }
-
     #[test]
-    fn equations_of_the_standard_are_the_generated_tooth() {
+    fn equations_of_the_standard_are_the_generated_tooth_of_the_virtual_spur_gear() {
         // The outline by the law of gearing against the standard's closed forms: chord, radius and lever arm at the
-        // 30 degree tangent of a spur gear.
-        for (teeth, shift) in [
-            ([20, 20], [0.0, 0.0]),
-            ([17, 43], [0.2, -0.1]),
-            ([25, 80], [0.5, 0.3]),
+        // 30 degree tangent.
+        for (teeth, shift, helix) in [
+            ([20, 20], [0.0, 0.0], 0.0),
+            ([17, 43], [0.2, -0.1], 0.0),
+            ([25, 80], [0.5, 0.3], 0.0),
+            ([20, 20], [0.0, 0.0], 13.0),
+            ([25, 80], [0.5, 0.3], 30.0),
         ] {
-            let pair = pair(teeth, shift, 0.0);
-            let ratio = pair.transverse_contact_ratio(pair.center_distance);
-            for gear in &pair.gears {
-                let [own, seen] = [external(gear, gear.z(), ratio), drawn(gear, ratio).unwrap()];
-                assert_same(&own, &seen);
-            }
-        }
-    }
-
-    #[test]
-    fn the_virtual_spur_gear_has_the_tooth_that_the_standard_gives_helical_gears() {
-        for (teeth, shift, helix) in [([20, 20], [0.0, 0.0], 13.0), ([25, 80], [0.5, 0.3], 30.0)] {
             let pair = pair(teeth, shift, helix);
             for gear in &pair.gears {
-                let beta_b = gear.base_helix_angle();
-                let whole = (gear.z() / (beta_b.cos().powi(2) * gear.helix_angle.cos())).round();
-                let ratio =
-                    pair.transverse_contact_ratio(pair.center_distance) / beta_b.cos().powi(2);
+                let squared = gear.base_helix_angle().cos().powi(2);
+                let whole = (gear.z() / (squared * gear.helix_angle.cos())).round();
+                let ratio = pair.transverse_contact_ratio(pair.center_distance) / squared;
                 let own = external(gear, whole, ratio);
                 let seen = drawn(&virtual_spur(gear, whole), ratio).unwrap();
-                assert_same(&own, &seen);
+                assert_relative_eq!(own.chord, seen.chord, max_relative = 1e-9);
+                assert_relative_eq!(own.fillet_radius, seen.fillet_radius, max_relative = 1e-4);
+                assert_relative_eq!(own.load_angle, seen.load_angle, max_relative = 1e-9);
+                assert_relative_eq!(own.lever_arm, seen.lever_arm, max_relative = 1e-9);
             }
         }
     }
@@ -317,11 +298,11 @@ mod tests {
             }
         };
         let of_ring = NominalRootStress::new(&ring(0.0), 1, 100.0).unwrap();
-        assert_relative_eq!(of_ring.fillet_radius, 0.38, max_relative = 1e-4);
+        assert_relative_eq!(of_ring.section.fillet_radius, 0.38, max_relative = 1e-4);
         let helical = NominalRootStress::new(&ring(10.0), 1, 100.0).unwrap();
-        assert_relative_eq!(helical.fillet_radius, 0.38, max_relative = 1e-4);
+        assert_relative_eq!(helical.section.fillet_radius, 0.38, max_relative = 1e-4);
         // Teeth of a ring are the thicker at the root the fewer there are: 63 of them instead of 60.
-        let thinner = helical.chord / of_ring.chord;
+        let thinner = helical.section.chord / of_ring.section.chord;
         assert!((0.98..1.0).contains(&thinner), "{thinner}");
         assert!(helical.stress < of_ring.stress);
     }

@@ -11,7 +11,7 @@ pub mod pair;
 pub mod storage;
 pub mod table;
 
-pub use iso_6336_3::NominalRootStress;
+pub use iso_6336_3::{NominalRootStress, RootSection};
 
 // Shared with tests/.
 #[cfg(test)]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import logging
+import shutil
 import threading
 import weakref
 from collections import deque
@@ -17,7 +19,6 @@ from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2EventInfo
 
 from .errors import GearPairError
 from .geometry import Geometry
-from .unpacked import Unpacked
 
 WARNING = 1  # fmi2Status: what is above was refused
 INTERFACES = {"co-simulation": FMU2Slave, "model-exchange": FMU2Model}
@@ -67,7 +68,7 @@ class GearPair:
             raise GearPairError(f"interface = {interface!r}: choose one of {', '.join(INTERFACES)}")
         self.time = 0.0
         self._exchange = interface == "model-exchange"
-        unpacked = Unpacked.of(fmu)
+        unpacked = _Unpacked.of(fmu)
         description, self.geometry = unpacked.description, unpacked.geometry
         self._variables = {v.name: v for v in description.modelVariables}
         instance: Any = INTERFACES[interface](  # of fmpy, which has no types
@@ -272,3 +273,30 @@ def _free(instance: Any, component: ctypes.c_void_p, lock: threading.Lock, *_use
         except Exception:  # never initialised, or already in error: free it all the same
             pass
         instance.freeInstance()
+
+
+_LOCK = threading.Lock()
+_UNPACKED: weakref.WeakValueDictionary[tuple[Path, int, int], _Unpacked] = weakref.WeakValueDictionary()
+
+
+class _Unpacked:
+    """An archive unpacked once for all its instances, which share library and tables in memory; its folder goes with the last of them."""
+
+    def __init__(self, file: Path) -> None:
+        self.folder: str = fmpy.extract(str(file))
+        weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+        self.description: Any = fmpy.read_model_description(self.folder)
+        unit = json.loads(Path(self.folder, "resources", "unit.json").read_text(encoding="utf-8"))
+        self.geometry = Geometry.of_unit(unit["geometry"])
+
+    @staticmethod
+    def of(fmu: str | Path) -> _Unpacked:
+        """The archive as it is now: one that was written anew is another one."""
+        path = Path(fmu).resolve()
+        status = path.stat()
+        key = (path, status.st_mtime_ns, status.st_size)
+        with _LOCK:
+            unpacked = _UNPACKED.get(key)
+            if unpacked is None:
+                unpacked = _UNPACKED[key] = _Unpacked(path)
+            return unpacked

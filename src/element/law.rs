@@ -248,16 +248,10 @@ impl Law {
         warm: &mut Warm,
         found: &mut Option<Found>,
     ) -> Result<Potential, ElementError> {
-        let [delta, center_distance_offset, misalignment, mesh_position] = at;
-        let query = Query {
-            delta,
-            center_distance_offset,
-            misalignment,
-            mesh_position,
-        };
+        let query = Query::from(at);
         Ok(match &self.source {
             Source::Linear(stiffness) => {
-                let mut w = Potential::default();
+                let (mut w, delta) = (Potential::default(), query.delta);
                 if delta > 0.0 {
                     w.gradient[0] = stiffness * delta;
                     w.value = 0.5 * w.gradient[0] * delta;

@@ -165,11 +165,11 @@ impl Element {
                  constant"
                     .into(),
             )),
-            (StiffnessModel::Table | StiffnessModel::Teeth, Some(table)) => {
-                match *table.effects() == effects {
-                    true => Self::on_table(pair, parameters, table),
-                    false => Self::on_table(pair, parameters, Arc::new(table.sliced(&effects)?)),
+            (StiffnessModel::Table | StiffnessModel::Teeth, Some(mut table)) => {
+                if *table.effects() != effects {
+                    table = Arc::new(Table::with_effects(table.file().clone(), effects)?);
                 }
+                Self::on_table(pair, parameters, table)
             }
         }
     }

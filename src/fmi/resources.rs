@@ -394,7 +394,7 @@ mod tests {
         );
         assert!(Arc::ptr_eq(&one, &two) && !Arc::ptr_eq(&one, &fewer));
         assert!(
-            std::ptr::eq(one.file(), fewer.file()),
+            Arc::ptr_eq(one.file(), fewer.file()),
             "the samples are shared even then"
         );
         drop((one, two, fewer));

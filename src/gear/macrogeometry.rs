@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Body, involute};
+use super::Body;
+use crate::words::shown;
 
 /// Whether the teeth stand outward or inward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -162,5 +163,110 @@ impl Gear {
     /// Radius at the length of roll `roll`, m.
     pub fn radius_at_roll(&self, roll: f64) -> f64 {
         roll.hypot(self.base_radius())
+    }
+
+    /// Refuses numbers that no checked pair file gives; `name` is that of the gear in the file.
+    pub(super) fn check(&self, name: &str) -> Result<(), GeometryError> {
+        let any = [f64::MIN_POSITIVE, f64::MAX];
+        let (alpha_n, round) = (self.normal_pressure_angle, self.tool_tip_radius_coefficient);
+        for (field, value, [low, high]) in [
+            ("normal_module_m", self.normal_module, any),
+            ("face_width_m", self.face_width, any),
+            ("tip_radius_m", self.tip_radius, any),
+            ("dedendum_coefficient", self.dedendum_coefficient, any),
+            ("held_radius_m", self.held_radius, any),
+            ("youngs_modulus_pa", self.youngs_modulus, any),
+            ("foundation_n_per_m3", self.foundation.unwrap_or(1.0), any),
+            ("normal_pressure_angle_rad", alpha_n, [1e-9, 0.8]),
+            ("helix_angle_rad", self.helix_angle, [0.0, 1.4]),
+            ("profile_shift", self.profile_shift, [-10.0, 10.0]),
+            ("face_offset_m", self.face_offset, [-1e3, 1e3]),
+            ("tool_tip_radius_coefficient", round, [0.0, 2.0]),
+            ("tooth_thinning_m", self.tooth_thinning, [-1.0, 1.0]),
+            ("tip_chamfer_m", self.tip_chamfer, [0.0, 1e3]),
+            ("poisson_ratio", self.poisson_ratio, [-1.0, 0.5]),
+            ("teeth", self.z(), [1.0, f64::MAX]),
+        ] {
+            let reason = match [low, high] {
+                range if range == any => "it must be positive".to_owned(),
+                [_, f64::MAX] => format!("it must be at least {low}"),
+                _ => format!("it must lie in [{low}, {high}]"),
+            };
+            let is_within = (low..=high).contains(&value);
+            ensure(is_within, &format!("{name}.{field}"), value, &reason)?;
+        }
+        let (hand, field) = (self.hand, format!("{name}.hand"));
+        ensure(hand.abs() == 1.0, &field, hand, "it must be 1 or -1")?;
+        let Some(body) = &self.body else {
+            return Ok(());
+        };
+        let ([w0, w1], [h0, h1]) = (body.web, body.hub);
+        let is_nested = h0 <= w0 && w0 < w1 && w1 <= h1 && (h1 - h0).is_finite();
+        let (hub, rim) = (body.hub_radius, body.rim_radius);
+        let is_stepped = rim > hub || body.is_shaft() && rim == hub;
+        let is_fine = is_nested && is_stepped && hub > 0.0 && rim.is_finite();
+        let reason = "rim, web and hub must follow each other from outside to inside, the web within the hub's ends";
+        let field = format!("{name}.body");
+        ensure(is_fine, &field, format!("{body:?}"), reason)
+    }
+}
+
+/// A number that no gear of a checked pair file has.
+#[derive(Debug, thiserror::Error)]
+#[error("geometry.{0}; make this file again from the pair file")]
+pub struct GeometryError(String);
+
+pub(super) fn ensure(
+    is_fine: bool,
+    field: &str,
+    value: impl ToString,
+    reason: &str,
+) -> Result<(), GeometryError> {
+    let value = || shown(&value.to_string());
+    match is_fine {
+        true => Ok(()),
+        false => Err(GeometryError(format!("{field} = {}: {reason}", value()))),
+    }
+}
+
+/// Involute function inv(alpha) = tan(alpha) - alpha, rad.
+pub fn involute(alpha: f64) -> f64 {
+    alpha.tan() - alpha
+}
+
+/// The angle in [0, pi/2) whose involute function is `value` >= 0, rad; NaN for a negative value.
+pub fn inverse_involute(value: f64) -> f64 {
+    if value.is_nan() || value < 0.0 {
+        return f64::NAN;
+    }
+    // t - atan(t) = value with t = tan(alpha). The left side is convex and rises, so that Newton
+    // converges from the right of the root, where this start lies.
+    let mut t = (3.0 * value).cbrt() + value;
+    for _ in 0..64 {
+        // d/dt (t - atan t) = t^2 / (1 + t^2).
+        let step = (t - t.atan() - value) * (1.0 + t * t) / (t * t).max(f64::MIN_POSITIVE);
+        t -= step;
+        if step.abs() <= 1e-16 * t.abs() {
+            break;
+        }
+    }
+    t.atan()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_involute_inverts_from_zero_to_near_a_right_angle() {
+        assert_eq!(inverse_involute(0.0), 0.0);
+        assert!(inverse_involute(-1e-9).is_nan());
+        for k in 1..150 {
+            let alpha = 0.01 * f64::from(k);
+            let back = inverse_involute(involute(alpha));
+            // inv' = tan^2, so that rounding of inv is magnified by 1 / tan^2.
+            let bound = 1e-15 * (1.0 + 1.0 / alpha.tan().powi(2));
+            assert!((back - alpha).abs() < bound, "{alpha}: {back}");
+        }
     }
 }

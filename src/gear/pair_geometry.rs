@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Gear, GearKind, involute};
+use super::macrogeometry::ensure;
+use super::{Gear, GearKind, GeometryError, involute};
 
 /// The loaded flank of gear 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -19,6 +20,38 @@ impl Flank {
         match self {
             Flank::Drive => 1.0,
             Flank::Coast => -1.0,
+        }
+    }
+}
+
+/// What both gears have on both flanks. The default: none has any.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct BothFlanks<T> {
+    /// Gear 1 and gear 2, the flanks that touch when gear 1 turns in its + sense and drives. On gear 1 and on
+    /// gear 2 of an external pair they face +theta, on gear 2 of an internal pair -theta.
+    pub drive: [T; 2],
+    /// The other flanks.
+    pub coast: [T; 2],
+}
+
+impl<T> BothFlanks<T> {
+    /// What `of` gives for each flank and gear (0 or 1).
+    ///
+    /// # Errors
+    /// The first that it gives.
+    pub fn try_from_fn<E>(of: impl Fn(Flank, usize) -> Result<T, E>) -> Result<Self, E> {
+        let both = |flank| Ok([of(flank, 0)?, of(flank, 1)?]);
+        Ok(BothFlanks {
+            drive: both(Flank::Drive)?,
+            coast: both(Flank::Coast)?,
+        })
+    }
+
+    /// Gear 1 and gear 2 on the loaded flanks.
+    pub fn flank(&self, flank: Flank) -> &[T; 2] {
+        match flank {
+            Flank::Drive => &self.drive,
+            Flank::Coast => &self.coast,
         }
     }
 }
@@ -140,6 +173,13 @@ impl PairGeometry {
         gear.base_radius() * self.operating_pressure_angle(center_distance).tan() + side * xi
     }
 
+    /// Distance from the pitch point at which the length of roll on gear `i` (0 or 1) is `roll`, m.
+    pub fn distance_at_roll(&self, i: usize, center_distance: f64, roll: f64) -> f64 {
+        let kappa = self.gears[i].kappa();
+        let side = if i == 0 { kappa } else { -kappa };
+        (roll - self.roll_at(i, center_distance, 0.0)) / side
+    }
+
     /// Path of contact at `center_distance`, tip to tip.
     pub fn path_of_contact(&self, center_distance: f64) -> PathOfContact {
         let tan_phi = self.operating_pressure_angle(center_distance).tan();
@@ -154,11 +194,8 @@ impl PairGeometry {
     /// profile at `center_distance`.
     pub fn active_start_roll(&self, i: usize, center_distance: f64) -> f64 {
         let path = self.path_of_contact(center_distance);
-        self.roll_at(
-            i,
-            center_distance,
-            if i == 0 { path.start } else { path.end },
-        )
+        let xi = if i == 0 { path.start } else { path.end };
+        self.roll_at(i, center_distance, xi)
     }
 
     /// Transverse contact ratio at `center_distance`.
@@ -226,6 +263,25 @@ impl PairGeometry {
     pub fn contact_line(&self, flank: Flank, tau: f64, k: i32, z: f64) -> f64 {
         (tau + f64::from(k)) * self.base_pitch()
             + flank.sign() * self.gears[0].hand * self.base_helix_angle().tan() * (z - self.z_ref())
+    }
+
+    /// Refuses numbers that no checked pair file gives.
+    ///
+    /// # Errors
+    /// The first such number, by field.
+    pub fn check(&self) -> Result<(), GeometryError> {
+        self.gears[0].check("gear1")?;
+        self.gears[1].check("gear2")?;
+        let has_external = self.gears.iter().any(|g| g.kind == GearKind::External);
+        ensure(has_external, "gear2.kind", "ring", "both gears are rings")?;
+        let (distance, least) = (self.center_distance, self.base_radius_sum());
+        let is_mesh = distance > least && distance.is_finite() && least > 0.0;
+        let reason =
+            format!("it must be above {least}, where the base circles leave no pressure angle");
+        ensure(is_mesh, "center_distance_m", distance, &reason)?;
+        let (offset, overlap) = (self.gears[1].face_offset, self.face_overlap().1);
+        let reason = "the faces do not overlap";
+        ensure(overlap > 0.0, "gear2.face_offset_m", offset, reason)
     }
 }
 

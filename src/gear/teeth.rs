@@ -1,14 +1,15 @@
 //! Teeth that differ from each other: index errors, run-out, and single teeth with a flank or a compliance of their own.
 //!
-//! Teeth are counted from 0 in +theta of their own gear (body frame). Tooth 0 of gear 1 is that at body +x in the phase
-//! reference `absolute`, else that which touches at the start; tooth 0 of gear 2 is that which touches the drive flank
-//! of gear 1's tooth 0 (with gears that start elsewhere on the circle: that would). Errors are positive where
+//! Teeth are counted from 0 in +theta of their own gear (body frame). Tooth 0 of gear 1 is that at body +x (of a ring, whose
+//! space is there, the one before it) in the phase reference `absolute`, else that which touches at the start; tooth 0 of gear 2
+//! is that which touches the drive flank of gear 1's tooth 0 (with gears that start elsewhere on the circle: that would, were gear 2
+//! turned with its body +x towards gear 1). Errors are positive where
 //! the flank stands further out, towards its mate: they close the gap along the line of action.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-use super::{Flank, Microgeometry, PairGeometry};
+use super::{BothFlanks, Flank, GearKind, Microgeometry, PairGeometry};
 
 /// Eccentricity of the teeth of a gear against its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -51,24 +52,22 @@ pub struct ToothErrors {
     pub weak: Vec<WeakTooth>,
 }
 
-/// Tooth errors of gear 1 and gear 2 on both flanks. The default: all teeth are alike.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct PairTeeth {
-    /// Drive flanks.
-    pub drive: [ToothErrors; 2],
-    /// Coast flanks.
-    pub coast: [ToothErrors; 2],
-}
-
-impl PairTeeth {
-    /// Those of one flank.
-    pub fn flank(&self, flank: Flank) -> &[ToothErrors; 2] {
-        match flank {
-            Flank::Drive => &self.drive,
-            Flank::Coast => &self.coast,
-        }
+impl ToothErrors {
+    /// Least and largest index error, m; infinite, the wrong way round, where there is none.
+    fn index_range(&self) -> [f64; 2] {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        (self.index.iter()).fold(none, |[a, b], x| [a.min(*x), b.max(*x)])
     }
 
+    fn runout_amount(&self) -> f64 {
+        self.runout.map_or(0.0, |runout| runout.amount)
+    }
+}
+
+/// Tooth errors of both gears on both flanks. The default: all teeth are alike.
+pub type PairTeeth = BothFlanks<ToothErrors>;
+
+impl PairTeeth {
     /// Whether all teeth are alike.
     pub fn are_alike(&self) -> bool {
         *self == PairTeeth::default()
@@ -76,23 +75,20 @@ impl PairTeeth {
 
     /// Bound of how far apart two tooth pairs can be in what errors of both gears close, on either flank, m.
     pub fn spread(&self) -> f64 {
-        self.larger_of_flanks(|[least, largest], runout| (largest - least).max(0.0) + runout)
+        self.larger_of_flanks(|gear| {
+            let [least, largest] = gear.index_range();
+            (largest - least).max(0.0) + gear.runout_amount()
+        })
     }
 
     /// Bound of what errors of both gears close together on either flank, m.
     pub fn largest_closing(&self) -> f64 {
-        self.larger_of_flanks(|[_, largest], runout| largest.max(0.0) + 0.5 * runout)
+        self.larger_of_flanks(|gear| gear.index_range()[1].max(0.0) + 0.5 * gear.runout_amount())
     }
 
-    /// Sum over both gears of the `bound` from their least and largest index error and their run-out, on the flank where it
-    /// is larger.
-    fn larger_of_flanks(&self, bound: impl Fn([f64; 2], f64) -> f64) -> f64 {
-        let gear = |errors: &ToothErrors| {
-            let none = [f64::INFINITY, f64::NEG_INFINITY];
-            let index = (errors.index.iter()).fold(none, |[a, b], x| [a.min(*x), b.max(*x)]);
-            bound(index, errors.runout.map_or(0.0, |r| r.amount))
-        };
-        let both = |gears: &[ToothErrors; 2]| gear(&gears[0]) + gear(&gears[1]);
+    /// Sum of `bound` over both gears, on the flank where it is larger.
+    fn larger_of_flanks(&self, bound: fn(&ToothErrors) -> f64) -> f64 {
+        let both = |[a, b]: &[ToothErrors; 2]| bound(a) + bound(b);
         both(&self.drive).max(both(&self.coast))
     }
 }
@@ -155,16 +151,22 @@ impl Passing {
             return None;
         }
         let (s, e, gears) = (flank.sign(), geometry.e(), &geometry.gears);
+        // The teeth at the pitch point where mesh positions are 0: on the drive flank tooth 0 of both gears. On the coast flank the gap
+        // of gear 1's tooth 0 in which gear 2's tooth 0 stands is across: external teeth meet the next one of gear 2, those of a pinion
+        // in a ring the one before. A ring as gear 1 counts from a space, whose other side is the next tooth.
+        let first_on_coast = match (gears[0].kind, gears[1].kind) {
+            (GearKind::Ring, _) => [1.0, 0.0],
+            (_, GearKind::Ring) => [0.0, -1.0],
+            _ => [0.0, 1.0],
+        };
         let gear = |i: usize, sense: f64, facing: f64| PassingGear {
             errors: errors[i].clone(),
             teeth: gears[i].z(),
             kappa: gears[i].kappa(),
             sense,
-            // The mate of the coast flank stands one tooth behind.
-            first: if i == 1 && flank == Flank::Coast {
-                -1.0
-            } else {
-                0.0
+            first: match flank {
+                Flank::Drive => 0.0,
+                Flank::Coast => first_on_coast[i],
             },
             facing,
             pressure_angle: geometry.operating_pressure_angle(geometry.center_distance),

@@ -38,34 +38,15 @@ pub enum TableError {
         /// Least coefficient of that spline, m.
         least_m: f64,
     },
-    /// The content does not belong to the checksum.
-    #[error(
-        "checksum_sha256 = {found}: the content gives {expected}, so the file was changed or cut \
-         after it was made; make it again with `gearmesh tables` or `gearmesh import`"
-    )]
-    Checksum {
-        /// Checksum in the file.
-        found: String,
-        /// Checksum of the content.
-        expected: String,
-    },
     /// A setting of the FMU needs what the table lacks.
     #[error("{0}")]
     Missing(&'static str),
     /// Geometry that no checked pair file gives.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// External samples that cannot become a table.
-    #[error("samples: {0}")]
-    Samples(String),
-    /// The static solver failed at a point of the grid.
-    #[error("static solve at {point}: {message}")]
-    Solve {
-        /// Operating point, with units.
-        point: String,
-        /// What the solver said.
-        message: String,
-    },
+    /// A static solve that failed, with its operating point, or samples that cannot become a table.
+    #[error("{0}")]
+    Failed(String),
     /// The user stopped the sweep.
     #[error("stopped on request; nothing was written")]
     Cancelled,

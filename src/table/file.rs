@@ -2,8 +2,10 @@
 //! settings, the interpolation error, and a checksum over all of it.
 
 use super::error::refused;
-use super::records::check_record;
-use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError, TeethRecord};
+use super::{
+    Axes, FlankGrid, FrictionRecord, RootStressRecord, RootStressSamples, SlidingSamples,
+    TableError, TeethRecord,
+};
 use crate::accuracy::InterpolationError;
 use crate::gear::{Gear, PairGeometry};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -164,10 +166,11 @@ impl TableFile {
         let found = format!("{CHECKSUM}{}", file.checksum_sha256);
         let expected = checksum(&text.replacen(&found, CHECKSUM, 1));
         if file.checksum_sha256 != expected {
-            return Err(TableError::Checksum {
-                found: file.checksum_sha256,
-                expected,
-            });
+            let reason = format!(
+                "the content gives {expected}, so the file was changed or cut after it was made; make it again with \
+                 `gearmesh tables` or `gearmesh import`"
+            );
+            return refused("checksum_sha256", file.checksum_sha256, reason);
         }
         file.check()?;
         // Whether misalignment or shuttling of helical gears is in it.
@@ -209,14 +212,16 @@ impl TableFile {
             }
         }
         self.drive_grid().check("drive")?;
-        if let Some(grid) = self.coast_grid() {
-            grid.check("coast")?;
+        if let Some(coast) = &self.coast {
+            coast.on(&self.axes).check("coast")?;
         }
         if let Some(record) = &self.friction {
-            check_record(&record.axes, &record.drive, record.coast.as_ref())?;
+            let coast = record.coast.as_ref().map(SlidingSamples::columns);
+            (record.axes).check("friction", false, record.drive.columns(), coast)?;
         }
         if let Some(record) = &self.root_stress {
-            check_record(&record.axes, &record.drive, record.coast.as_ref())?;
+            let coast = record.coast.as_ref().map(RootStressSamples::columns);
+            (record.axes).check("root_stress", true, record.drive.columns(), coast)?;
         }
         self.teeth
             .as_ref()
@@ -226,11 +231,6 @@ impl TableFile {
     /// Samples of the drive flank.
     pub fn drive_grid(&self) -> FlankGrid {
         self.drive.on(&self.axes)
-    }
-
-    /// Samples of the coast flank, if it has its own.
-    pub fn coast_grid(&self) -> Option<FlankGrid> {
-        Some(self.coast.as_ref()?.on(&self.axes))
     }
 
     /// The text of the file.

@@ -2,7 +2,7 @@
 
 use super::error::refused;
 use super::interpolation::{Block, at_zero};
-use super::records::{LoadSamples, SlidingSamples};
+use super::records::SlidingSamples;
 use super::{Query, TableError};
 use serde::{Deserialize, Serialize};
 
@@ -48,33 +48,25 @@ pub struct Axes {
 }
 
 impl Axes {
+    /// Nodes in the order of the samples: centre distance, misalignment, displacement, mesh position.
+    pub fn nodes(&self) -> [&[f64]; 4] {
+        [
+            &self.center_distance_offset,
+            &self.misalignment,
+            &self.displacement_fraction,
+            &self.mesh_position,
+        ]
+    }
+
+    /// Number of nodes along each axis, in that order.
+    pub fn lengths(&self) -> [usize; 4] {
+        self.nodes().map(<[f64]>::len)
+    }
+
     /// Whether centre distance, misalignment and mesh position have an axis.
     pub fn present(&self) -> [bool; 3] {
-        [
-            self.center_distance_offset.len() > 1,
-            self.misalignment.len() > 1,
-            self.mesh_position.len() > 1,
-        ]
-    }
-
-    /// Lengths in the order of the samples: centre distance, misalignment, displacement, mesh position.
-    pub fn lengths(&self) -> [usize; 4] {
-        [
-            self.center_distance_offset.len(),
-            self.misalignment.len(),
-            self.displacement_fraction.len(),
-            self.mesh_position.len(),
-        ]
-    }
-
-    /// The nodes along `axis`.
-    pub fn along_mut(&mut self, axis: Axis) -> &mut Vec<f64> {
-        match axis {
-            Axis::CenterDistance => &mut self.center_distance_offset,
-            Axis::Misalignment => &mut self.misalignment,
-            Axis::Displacement => &mut self.displacement_fraction,
-            Axis::MeshPosition => &mut self.mesh_position,
-        }
+        let [c, m, _, p] = self.lengths().map(|n| n > 1);
+        [c, m, p]
     }
 
     fn check(&self) -> Result<(), TableError> {
@@ -87,11 +79,25 @@ impl Axes {
         }
         // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
         check_spacing(name, &[&[0.0], u.as_slice()].concat(), 1e-6)?;
-        check_axes(
-            "axes",
-            [&self.center_distance_offset, &self.misalignment],
-            &self.mesh_position,
-        )
+        check_axes("axes", self.nodes())
+    }
+}
+
+impl From<[Vec<f64>; 4]> for Axes {
+    /// Of nodes in the order of [`Axes::nodes`].
+    fn from(nodes: [Vec<f64>; 4]) -> Self {
+        let [
+            center_distance_offset,
+            misalignment,
+            displacement_fraction,
+            mesh_position,
+        ] = nodes;
+        Axes {
+            displacement_fraction,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        }
     }
 }
 
@@ -152,16 +158,11 @@ impl FlankGrid {
 
     /// Coordinates of the sample at the index (centre distance, misalignment, displacement, mesh position).
     pub fn query(&self, [c, m, u, p]: [usize; 4]) -> Query {
-        let axes = &self.axes;
-        let column = (c * axes.misalignment.len() + m) * axes.mesh_position.len() + p;
+        let [cs, ms, us, ps] = self.axes.nodes();
+        let column = (c * ms.len() + m) * ps.len() + p;
         let low = self.no_load_approach[column];
         let span = self.top_load_approach[column] - low;
-        Query {
-            delta: low + axes.displacement_fraction[u] * span,
-            center_distance_offset: axes.center_distance_offset[c],
-            misalignment: axes.misalignment[m],
-            mesh_position: axes.mesh_position[p],
-        }
+        Query::from([low + us[u] * span, cs[c], ms[m], ps[p]])
     }
 
     /// `values` of this grid, samples or approaches, with their lengths.
@@ -202,11 +203,11 @@ impl FlankGrid {
     /// # Errors
     /// 0 lies outside the axis.
     pub fn sliced(&self, axis: Axis) -> Result<FlankGrid, TableError> {
-        let nodes = self.axes.clone().along_mut(axis).clone();
+        let nodes = self.axes.nodes()[axis as usize];
         if nodes.len() == 1 {
             return Ok(self.clone());
         }
-        let zero = at_zero(&nodes, axis.name())?;
+        let zero = at_zero(nodes, axis.name())?;
         Ok(self.mapped(axis, vec![0.0], |line| vec![zero(&line)]))
     }
 
@@ -214,7 +215,7 @@ impl FlankGrid {
     /// load, must be among them.
     pub fn with_nodes(&self, axis: Axis, chosen: &[usize]) -> FlankGrid {
         let pick = |line: Vec<f64>| chosen.iter().map(|&k| line[k]).collect();
-        let nodes = pick(self.axes.clone().along_mut(axis).clone());
+        let nodes = pick(self.axes.nodes()[axis as usize].to_vec());
         self.mapped(axis, nodes, pick)
     }
 
@@ -227,16 +228,16 @@ impl FlankGrid {
                 _ => (block.mapped(axis as usize, nodes.len(), &map)).values,
             }
         };
-        let mut grid = FlankGrid {
-            axes: self.axes.clone(),
+        let mut all = self.axes.nodes().map(<[f64]>::to_vec);
+        all[axis as usize].clone_from(&nodes);
+        FlankGrid {
+            axes: Axes::from(all),
             no_load_approach: mapped(&self.no_load_approach),
             top_load_approach: mapped(&self.top_load_approach),
             loa_force: mapped(&self.loa_force),
             moment: self.moment.as_ref().map(mapped),
             sliding: None,
-        };
-        *grid.axes.along_mut(axis) = nodes;
-        grid
+        }
     }
 
     /// Checks lengths, order and finiteness of all that is there, and that the force does not fall
@@ -267,14 +268,10 @@ impl FlankGrid {
         }
         let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
         if let Some((i, (low, high))) = ends.enumerate().find(|(_, (low, high))| high <= low) {
-            return refused(
-                format!("{flank}.top_load_approach_m[{i}]"),
-                high,
-                format!(
-                    "not above the no-load approach {low}; make the tables again; of imported samples, check the sign of \
-                     ste_loa_um"
-                ),
+            let reason = format!(
+                "not above the no-load approach {low}; make the tables again; of imported samples, check the sign of ste_loa_um"
             );
+            return refused(format!("{flank}.top_load_approach_m[{i}]"), high, reason);
         }
         for start in self.block(&self.loa_force).lines(2) {
             let mut below = 0.0;
@@ -282,14 +279,11 @@ impl FlankGrid {
                 let i = start + u * np;
                 let force = self.loa_force[i];
                 if force < below || (u + 1 == nu && force <= 0.0) {
-                    return refused(
-                        format!("{flank}.loa_force_n[{i}]"),
-                        force,
-                        format!(
-                            "the force must not fall with the displacement (before it: {below}); make the tables again; of \
-                             imported samples, remove the falling one"
-                        ),
+                    let reason = format!(
+                        "the force must not fall with the displacement (before it: {below}); make the tables again; of \
+                         imported samples, remove the falling one"
                     );
+                    return refused(format!("{flank}.loa_force_n[{i}]"), force, reason);
                 }
                 below = force;
             }
@@ -320,12 +314,8 @@ const MOST: usize = 10_000;
 /// Beyond all lengths, forces and moments of gears; products of a few of them with one another stay finite.
 const LARGEST: f64 = 1e15;
 
-/// Checks the axes that all samples have: those of centre distance and misalignment, and mesh positions, at `path` in the file.
-pub(super) fn check_axes(
-    path: &str,
-    [c, m]: [&[f64]; 2],
-    positions: &[f64],
-) -> Result<(), TableError> {
+/// Checks the axes that all samples have, those of centre distance, misalignment and mesh position, at `path` in the file.
+pub(super) fn check_axes(path: &str, [c, m, _, positions]: [&[f64]; 4]) -> Result<(), TableError> {
     let named = |axis: Axis| format!("{path}.{}", axis.name());
     check_axis(&named(Axis::CenterDistance), c, true)?;
     check_axis(&named(Axis::Misalignment), m, true)?;

@@ -13,24 +13,26 @@ mod file;
 mod grid;
 mod interpolation;
 mod records;
-mod runtime;
 #[cfg(test)]
 #[path = "../../tests/common/spring.rs"]
 pub mod samples;
 mod summary;
 mod teeth;
 
-pub use crate::accuracy::{InterpolationError, RootStressError, rms_and_largest};
+pub use crate::accuracy::{InterpolationError, RootStressError};
 pub use error::TableError;
 pub use file::{TableFile, VERSION};
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
 pub use records::{
-    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressRecord,
-    RootStressSamples, SlidingSamples,
+    Columns, FrictionRecord, LoadAxes, LoadJet, LoadSpline, RootStressRecord, RootStressSamples,
+    SlidingSamples,
 };
-pub use runtime::{Effects, Load, Table};
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
+
+use crate::gear::{Flank, PairGeometry};
+use std::path::Path;
+use std::sync::Arc;
 
 /// A point of the table of one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,6 +50,33 @@ pub struct Query {
 /// Number of coordinates of a [`Query`], in the order of its fields.
 pub const COORDINATES: usize = 4;
 
+impl Query {
+    /// Its fields, in their order.
+    #[inline]
+    pub fn coordinates(&self) -> [f64; COORDINATES] {
+        let Query {
+            delta,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        } = *self;
+        [delta, center_distance_offset, misalignment, mesh_position]
+    }
+}
+
+impl From<[f64; COORDINATES]> for Query {
+    #[inline]
+    fn from(coordinates: [f64; COORDINATES]) -> Self {
+        let [delta, center_distance_offset, misalignment, mesh_position] = coordinates;
+        Query {
+            delta,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        }
+    }
+}
+
 /// The potential of one flank and its derivatives by the coordinates of [`Query`] in their order
 /// (delta, centre distance offset, misalignment, mesh position). All zero out of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -63,4 +92,237 @@ pub struct Potential {
     pub hessian: [[f64; COORDINATES]; COORDINATES],
     /// True where a coordinate lies outside the table's range (continued linearly).
     pub out_of_range: bool,
+}
+
+/// How the stiffness depends on the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Force over displacement as tabulated.
+    Variable,
+    /// Secant stiffness at this transverse force on the line of action, N, paper (21)-(22).
+    Constant {
+        /// F_bt.
+        loa_force: f64,
+    },
+}
+
+/// What a table depends on. An effect that is off costs neither time nor memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effects {
+    /// Between the nodes.
+    pub interpolation: Interpolation,
+    /// Load dependence.
+    pub load: Load,
+    /// Actual centre distance; off: nominal.
+    pub center_distance: bool,
+    /// Misalignment; off: parallel axes.
+    pub misalignment: bool,
+    /// Moment of the axial position of the contact. With misalignment on and variable load it comes with
+    /// the potential, otherwise from a table of its own.
+    pub shuttling: bool,
+    /// How the load slides, for friction.
+    pub friction: bool,
+    /// Stress in the tooth roots.
+    pub root_stress: bool,
+    /// Tooth pair by tooth pair, for teeth that differ.
+    pub teeth: bool,
+}
+
+impl Effects {
+    /// The spline and a variable load with all that `axes` have, and of the force alone.
+    pub fn of_axes(axes: &Axes) -> Self {
+        let [center_distance, misalignment, _] = axes.present();
+        Effects {
+            interpolation: Interpolation::Spline,
+            load: Load::Variable,
+            center_distance,
+            misalignment,
+            shuttling: misalignment,
+            friction: false,
+            root_stress: false,
+            teeth: false,
+        }
+    }
+
+    fn axes(&self) -> [bool; 2] {
+        [self.center_distance, self.misalignment]
+    }
+}
+
+/// Everything of one pair at run time. Read-only; share it by `Arc`.
+#[derive(Debug)]
+pub struct Table {
+    file: Arc<TableFile>,
+    effects: Effects,
+    force: Flanks<FlankTable>,
+    sliding: Option<Flanks<LoadSpline>>,
+    root_stress: Option<Flanks<LoadSpline>>,
+    teeth: Option<[TeethFlank; 2]>,
+}
+
+#[derive(Debug)]
+struct Flanks<T> {
+    drive: T,
+    /// `None`: the coast flank is the drive flank mirrored.
+    coast: Option<T>,
+}
+
+impl<T> Flanks<T> {
+    fn new<S>(
+        drive: &S,
+        coast: &Option<S>,
+        make: impl Fn(&S) -> Result<T, TableError>,
+    ) -> Result<Self, TableError> {
+        Ok(Flanks {
+            drive: make(drive)?,
+            coast: coast.as_ref().map(make).transpose()?,
+        })
+    }
+
+    /// That of `flank`, and whether it is the drive flank's, mirrored.
+    fn get(&self, flank: Flank) -> (&T, bool) {
+        match (flank, &self.coast) {
+            (Flank::Drive, _) => (&self.drive, false),
+            (Flank::Coast, Some(own)) => (own, false),
+            (Flank::Coast, None) => (&self.drive, true),
+        }
+    }
+}
+
+fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
+    match on {
+        true => record.as_ref().ok_or(missing).map(Some),
+        false => Ok(None),
+    }
+}
+
+impl Table {
+    /// With all axes of the file, the spline, variable load and shuttling.
+    ///
+    /// # Errors
+    /// As [`TableFile::from_json`].
+    pub fn from_json(text: &str) -> Result<Self, TableError> {
+        Self::from_file(TableFile::from_json(text)?)
+    }
+
+    /// As [`Table::from_json`], from a path.
+    ///
+    /// # Errors
+    /// As [`TableFile::read`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
+        Self::from_file(TableFile::read(path)?)
+    }
+
+    /// As [`Table::from_json`], from checked content.
+    ///
+    /// # Errors
+    /// As [`FlankTable::new`].
+    pub fn from_file(file: TableFile) -> Result<Self, TableError> {
+        let mut effects = Effects::of_axes(&file.axes);
+        effects.shuttling |= file.drive.moment.is_some();
+        Self::with_effects(Arc::new(file), effects)
+    }
+
+    /// The tables of `file`, which stays shared, with only the dimensions that `effects` switch on.
+    ///
+    /// # Errors
+    /// An effect whose axis is missing; a constant load outside the range.
+    pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
+        let axes = effects.axes();
+        // Tooth pairs one by one slide as their own loads do.
+        let slides = effects.friction && !effects.teeth;
+        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?.map(|r| {
+            let spline = |s: &SlidingSamples| LoadSpline::new(r.axes.nodes(), &s.columns(), axes);
+            Flanks::new(&r.drive, &r.coast, spline)
+        });
+        let missing = TableError::NO_ROOT_STRESS;
+        let stress = if_on(effects.root_stress, &file.root_stress, missing)?.map(|r| {
+            let spline =
+                |s: &RootStressSamples| LoadSpline::new(r.axes.nodes(), &s.columns(), axes);
+            Flanks::new(&r.drive, &r.coast, spline)
+        });
+        let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?
+            .map(|record| TeethFlank::both(record, &file.geometry, &effects));
+        let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
+        Ok(Table {
+            force: Flanks::new(&file.drive, &file.coast, flank)?,
+            sliding: sliding.transpose()?,
+            root_stress: stress.transpose()?,
+            teeth: teeth.transpose()?,
+            effects,
+            file,
+        })
+    }
+
+    /// The pair these tables belong to.
+    pub fn geometry(&self) -> &PairGeometry {
+        &self.file.geometry
+    }
+
+    /// The file, with samples, settings and measured error.
+    pub fn file(&self) -> &Arc<TableFile> {
+        &self.file
+    }
+
+    /// What this table answers to.
+    pub fn effects(&self) -> &Effects {
+        &self.effects
+    }
+
+    /// The table of `flank`, and whether it is the drive flank's mirrored: then evaluate it at -M and take the opposite moment.
+    pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
+        self.force.get(flank)
+    }
+
+    /// How the load of `flank` slides; mirrored, take the opposite axial position. None where the effect is off.
+    pub fn sliding(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
+        Some(self.sliding.as_ref()?.get(flank))
+    }
+
+    /// Stress in the roots under the load of `flank`, likewise.
+    pub fn root_stress(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
+        Some(self.root_stress.as_ref()?.get(flank))
+    }
+
+    /// Tooth pairs of `flank` one by one, as [`Table::flank`]. None where the effect is off.
+    pub fn teeth(&self, flank: Flank) -> Option<(&TeethFlank, bool)> {
+        let [drive, coast] = self.teeth.as_ref()?;
+        let own = self.file.teeth.as_ref()?.coast.is_some();
+        Some(match flank {
+            Flank::Drive => (drive, false),
+            Flank::Coast => (coast, !own),
+        })
+    }
+}
+
+/// What is left of `grid` with only the dimensions that `effects` switch on, and its interpolant.
+fn flank_table(
+    mut grid: FlankGrid,
+    effects: &Effects,
+) -> Result<(FlankGrid, FlankTable), TableError> {
+    let axes = [Axis::CenterDistance, Axis::Misalignment];
+    for ((axis, on), missing) in axes
+        .into_iter()
+        .zip(effects.axes())
+        .zip(TableError::NO_AXIS)
+    {
+        if !on {
+            grid = grid.sliced(axis)?;
+        } else if !grid.axes.present()[axis as usize] {
+            return Err(missing);
+        }
+    }
+    let from_potential = effects.misalignment && effects.load == Load::Variable;
+    if !effects.shuttling {
+        grid.moment = None;
+    } else if grid.moment.is_none() && !from_potential {
+        return Err(TableError::NO_MOMENT);
+    }
+    let table = match effects.load {
+        Load::Variable => FlankTable::new(&grid, effects.interpolation)?,
+        Load::Constant { loa_force } => {
+            FlankTable::constant_load(&grid, effects.interpolation, loa_force)?
+        }
+    };
+    Ok((grid, table))
 }

@@ -30,27 +30,52 @@ pub struct LoadAxes {
 }
 
 impl LoadAxes {
-    /// Lengths in the order of the samples: (centre distance, misalignment, force, mesh position), the last index fastest.
-    pub fn lengths(&self) -> [usize; 4] {
+    /// Nodes in the order of the samples: (centre distance, misalignment, force, mesh position), the last index fastest.
+    pub fn nodes(&self) -> [&[f64]; 4] {
         [
-            self.center_distance_offset_m.len(),
-            self.misalignment_rad.len(),
-            self.loa_force_n.len(),
-            self.mesh_position.len(),
+            &self.center_distance_offset_m,
+            &self.misalignment_rad,
+            &self.loa_force_n,
+            &self.mesh_position,
         ]
+    }
+
+    /// Number of nodes along each axis, in that order.
+    pub fn lengths(&self) -> [usize; 4] {
+        self.nodes().map(<[f64]>::len)
+    }
+
+    /// Checks the `record` with these axes: lengths, order and finiteness of nodes and samples, and the load at which they begin.
+    pub(super) fn check(
+        &self,
+        record: &str,
+        from_zero: bool,
+        drive: Columns<'_>,
+        coast: Option<Columns<'_>>,
+    ) -> Result<(), TableError> {
+        let path = format!("{record}.axes");
+        check_axes(&path, self.nodes())?;
+        let (name, forces) = (format!("{path}.loa_force_n"), &self.loa_force_n);
+        check_axis(&name, forces, false)?;
+        if forces[0] < 0.0 || (forces[0] == 0.0) != from_zero {
+            let reason = match from_zero {
+                true => "effects of the load begin at 0; make the tables again",
+                false => "ratios to the load need a load; make the tables again",
+            };
+            return refused(format!("{name}[0]"), forces[0], reason);
+        }
+        let length = self.lengths().iter().product();
+        for (flank, columns) in [("drive", Some(drive)), ("coast", coast)] {
+            for (name, values) in columns.into_iter().flatten() {
+                check_values(&format!("{record}.{flank}.{name}"), values, length)?;
+            }
+        }
+        Ok(())
     }
 }
 
-/// Samples of one flank.
-pub trait LoadSamples {
-    /// Name of their record in the file.
-    const RECORD: &'static str;
-    /// Whether they begin at no load.
-    const FROM_ZERO: bool;
-
-    /// Name and values of each quantity, in the order of the spline.
-    fn columns(&self) -> Vec<(&'static str, &[f64])>;
-}
+/// Name and samples of each quantity on one flank, in the order in which a [`LoadSpline`] gives them.
+pub type Columns<'a> = Vec<(&'static str, &'a [f64])>;
 
 /// Sliding of both flanks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,20 +117,16 @@ impl SlidingSamples {
             weight: local.then(|| column(|s| s.weight)),
         }
     }
-}
 
-impl LoadSamples for SlidingSamples {
-    const RECORD: &'static str = "friction";
-    const FROM_ZERO: bool = false;
-
-    fn columns(&self) -> Vec<(&'static str, &[f64])> {
-        let all = [
-            ("share", &self.share[..]),
+    /// Name and samples of each quantity.
+    pub fn columns(&self) -> Columns<'_> {
+        let mut columns: Columns<'_> = vec![
+            ("share", &self.share),
             ("share_z_m", &self.share_z_m),
             ("distance_m", &self.distance_m),
         ];
-        let weight = self.weight.iter().map(|weight| ("weight", &weight[..]));
-        all.into_iter().chain(weight).collect()
+        columns.extend(self.weight.iter().map(|weight| ("weight", &weight[..])));
+        columns
     }
 }
 
@@ -134,53 +155,22 @@ pub struct RootStressSamples {
 }
 
 impl RootStressSamples {
-    /// Of gear 1 and gear 2, rounded to what interpolation can tell.
-    pub fn new(all: [&[f64]; 2]) -> RootStressSamples {
-        let [gear_1_pa, gear_2_pa] = all.map(|gear| rounded(gear, 1e-6));
+    /// From `all` samples in order, of gear 1 and gear 2, rounded to what interpolation can tell.
+    pub fn new(all: &[[f64; 2]]) -> RootStressSamples {
+        let gear = |k: usize| rounded(&all.iter().map(|both| both[k]).collect::<Vec<_>>(), 1e-6);
         RootStressSamples {
-            gear_1_pa,
-            gear_2_pa,
+            gear_1_pa: gear(0),
+            gear_2_pa: gear(1),
         }
     }
-}
 
-impl LoadSamples for RootStressSamples {
-    const RECORD: &'static str = "root_stress";
-    const FROM_ZERO: bool = true;
-
-    fn columns(&self) -> Vec<(&'static str, &[f64])> {
+    /// Name and samples of each quantity.
+    pub fn columns(&self) -> Columns<'_> {
         vec![
             ("gear_1_pa", &self.gear_1_pa),
             ("gear_2_pa", &self.gear_2_pa),
         ]
     }
-}
-
-/// Checks a record: lengths, order and finiteness of nodes and samples, and the load at which they begin.
-pub(super) fn check_record<S: LoadSamples>(
-    axes: &LoadAxes,
-    drive: &S,
-    coast: Option<&S>,
-) -> Result<(), TableError> {
-    let path = format!("{}.axes", S::RECORD);
-    let others = [&axes.center_distance_offset_m[..], &axes.misalignment_rad];
-    check_axes(&path, others, &axes.mesh_position)?;
-    let (name, forces) = (format!("{path}.loa_force_n"), &axes.loa_force_n);
-    check_axis(&name, forces, false)?;
-    if forces[0] < 0.0 || (forces[0] == 0.0) != S::FROM_ZERO {
-        let reason = match S::FROM_ZERO {
-            true => "effects of the load begin at 0; make the tables again",
-            false => "ratios to the load need a load; make the tables again",
-        };
-        return refused(format!("{name}[0]"), forces[0], reason);
-    }
-    let length = axes.lengths().iter().product();
-    for (flank, samples) in [("drive", Some(drive)), ("coast", coast)] {
-        for (name, values) in samples.iter().flat_map(|samples| samples.columns()) {
-            check_values(&format!("{}.{flank}.{name}", S::RECORD), values, length)?;
-        }
-    }
-    Ok(())
 }
 
 /// A quantity at one point, with its derivatives by force, centre distance offset, misalignment and mesh position.
@@ -196,56 +186,48 @@ pub struct LoadJet {
 /// the force, for the force itself is a coordinate here.
 #[derive(Debug)]
 pub struct LoadSpline {
-    c: Basis<4>,
-    m: Basis<4>,
+    others: [Basis<4>; 3],
     force: Basis<4>,
-    p: Basis<4>,
     quantities: Vec<Coefficients<4>>,
 }
 
 impl LoadSpline {
-    /// Of `samples` on `axes`, cut at 0 along the axes of centre distance and misalignment whose effect is off.
+    /// Of the `columns` at `nodes` (of [`LoadAxes::nodes`]), cut at 0 along the axes of centre distance and misalignment whose effect
+    /// is off.
     ///
     /// # Errors
     /// Nodes through which no spline passes; an axis to be cut that does not hold 0.
     pub fn new(
-        axes: &LoadAxes,
-        samples: &impl LoadSamples,
+        mut nodes: [&[f64]; 4],
+        columns: &Columns<'_>,
         effects: [bool; 2],
     ) -> Result<Self, TableError> {
-        let lengths = axes.lengths();
-        let block = |(_, values): (_, &[f64])| Block {
+        let lengths = nodes.map(<[f64]>::len);
+        let block = |(_, values): &(_, &[f64])| Block {
             lengths,
             values: values.to_vec(),
         };
-        let mut blocks: Vec<Block> = samples.columns().into_iter().map(block).collect();
-        let mut nodes = [&axes.center_distance_offset_m, &axes.misalignment_rad].map(Clone::clone);
-        for (i, axis) in [Axis::CenterDistance, Axis::Misalignment]
-            .into_iter()
-            .enumerate()
-        {
+        let mut blocks: Vec<Block> = columns.iter().map(block).collect();
+        for axis in [Axis::CenterDistance, Axis::Misalignment] {
+            let i = axis as usize;
             if !effects[i] && nodes[i].len() > 1 {
-                let zero = at_zero(&nodes[i], axis.name())?;
+                let zero = at_zero(nodes[i], axis.name())?;
                 for block in &mut blocks {
                     *block = block.mapped(i, 1, |line| vec![zero(&line)]);
                 }
-                nodes[i] = vec![0.0];
+                nodes[i] = &[0.0];
             }
         }
-        let others = Others::new([&nodes[0], &nodes[1], &axes.mesh_position])?;
-        let (mut force, along_force) = axis(&axes.loa_force_n, Ends::Bounded, "loa_force_n")?;
-        if axes.loa_force_n[0] == 0.0 {
+        let others = Others::new(nodes)?;
+        let (mut force, along_force) = axis(nodes[2], Ends::Bounded, "loa_force_n")?;
+        if nodes[2][0] == 0.0 {
             force.guard = [f64::INFINITY; 2];
         }
         let fitted = |block| Coefficients::new(&others.fit(block, Some(&along_force)));
-        let quantities = blocks.iter().map(fitted).collect();
-        let [c, m, p] = others.bases;
         Ok(LoadSpline {
-            quantities,
-            c,
-            m,
+            quantities: blocks.iter().map(fitted).collect(),
+            others: others.bases,
             force,
-            p,
         })
     }
 
@@ -254,11 +236,12 @@ impl LoadSpline {
     /// level out, over the load as [`LoadAxes`] says.
     pub fn evaluate<const K: usize>(&self, [force, c, m, p]: [f64; 4]) -> [LoadJet; K] {
         let weights = |basis: &Basis<4>, x| basis.weights(Lanes::COMMON, x, 1).0;
+        let [along_c, along_m, along_p] = &self.others;
         let wf = weights(&self.force, force);
         let at = Point {
-            c: weights(&self.c, c),
-            m: weights(&self.m, m),
-            p: weights(&self.p, p),
+            c: weights(along_c, c),
+            m: weights(along_m, m),
+            p: weights(along_p, p),
         };
         std::array::from_fn(|k| {
             let Some(quantity) = self.quantities.get(k) else {
@@ -293,31 +276,20 @@ mod tests {
 
     /// Three quantities, on axes whose forces begin at `first`.
     fn spline(first: f64, effects: [bool; 2]) -> LoadSpline {
-        let axes = LoadAxes {
-            center_distance_offset_m: vec![-1e-4, -4e-5, 0.0, 5e-5, 1e-4],
-            misalignment_rad: vec![-2e-3, -5e-4, 0.0, 1e-3, 2e-3],
-            loa_force_n: vec![first, 500.0, 2000.0, 5000.0, 9000.0],
-            mesh_position: (0..40).map(|i| f64::from(i) / 40.0).collect(),
+        let positions: Vec<f64> = (0..40).map(|i| f64::from(i) / 40.0).collect();
+        let nodes @ [c, m, f, p] = [
+            &[-1e-4, -4e-5, 0.0, 5e-5, 1e-4][..],
+            &[-2e-3, -5e-4, 0.0, 1e-3, 2e-3],
+            &[first, 500.0, 2000.0, 5000.0, 9000.0],
+            &positions,
+        ];
+        let quantity = |k| -> Vec<f64> {
+            let point = |i: usize| [f[i / 40 % 5], c[i / 1000], m[i / 200 % 5], p[i % 40]];
+            (0..5000).map(|i| exact(point(i), k)).collect()
         };
-        let quantities = [0, 1, 2].map(|k| {
-            let mut values = vec![];
-            for &c in &axes.center_distance_offset_m {
-                for &m in &axes.misalignment_rad {
-                    for &f in &axes.loa_force_n {
-                        values.extend(axes.mesh_position.iter().map(|&p| exact([f, c, m, p], k)));
-                    }
-                }
-            }
-            values
-        });
-        let [share, share_z_m, distance_m] = quantities;
-        let samples = SlidingSamples {
-            share,
-            share_z_m,
-            distance_m,
-            weight: None,
-        };
-        LoadSpline::new(&axes, &samples, effects).unwrap()
+        let quantities = [0, 1, 2].map(quantity);
+        let columns = quantities.iter().map(|values| ("", &values[..])).collect();
+        LoadSpline::new(nodes, &columns, effects).unwrap()
     }
 
     #[test]

@@ -7,15 +7,9 @@ import numpy as np
 
 def directional(instance, outputs, inputs, seed):
     result = (ctypes.c_double * len(outputs))()
-    instance.expect(
-        "fmi2GetDirectionalDerivative",
-        instance.references(outputs),
-        ctypes.c_size_t(len(outputs)),
-        instance.references(inputs),
-        ctypes.c_size_t(len(inputs)),
-        (ctypes.c_double * len(inputs))(*seed),
-        result,
-    )
+    unknown = instance.references(outputs), ctypes.c_size_t(len(outputs))
+    known = instance.references(inputs), ctypes.c_size_t(len(inputs))
+    instance.expect("fmi2GetDirectionalDerivative", *unknown, *known, (ctypes.c_double * len(inputs))(*seed), result)
     return np.array(list(result))
 
 

@@ -11,25 +11,12 @@ import shutil
 from pathlib import Path
 
 from fmpy import extract, freeLibrary, read_model_description
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2EventInfo as EventInfo
 from gearmesh.geometry import Geometry
-from gearmesh.pair import LOGGER
+from gearmesh.pair import LOGGER, SCALARS
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 MODEL_EXCHANGE, CO_SIMULATION = range(2)
-
-
-class EventInfo(ctypes.Structure):
-    """fmi2EventInfo."""
-
-    _fields_ = [
-        ("newDiscreteStatesNeeded", ctypes.c_int),
-        ("terminateSimulation", ctypes.c_int),
-        ("nominalsOfContinuousStatesChanged", ctypes.c_int),
-        ("valuesOfContinuousStatesChanged", ctypes.c_int),
-        ("nextEventTimeDefined", ctypes.c_int),
-        ("nextEventTime", ctypes.c_double),
-    ]
 
 
 class Unit:
@@ -51,16 +38,7 @@ class Unit:
 class Instance:
     """One instance; methods without checks return the status, `set`, `get`, ... expect success."""
 
-    def __init__(
-        self,
-        unit,
-        name="mesh",
-        logging=True,
-        resources=None,
-        guid=None,
-        logger=True,
-        kind=CO_SIMULATION,
-    ):
+    def __init__(self, unit, name="mesh", logging=True, resources=None, guid=None, logger=True, kind=CO_SIMULATION):
         self.unit = unit
         self.is_co_simulation = kind == CO_SIMULATION
         self.messages = []
@@ -75,11 +53,8 @@ class Instance:
         self._logger = LOGGER(self._log)
         self._callbacks = fmi2CallbackFunctions()
         if logger:
-            pointer = type(self._callbacks.logger)
-            self._callbacks.logger = ctypes.cast(self._logger, pointer)
-        uri = resources
-        if uri is None:
-            uri = (Path(unit.folder) / "resources").as_uri()
+            self._callbacks.logger = ctypes.cast(self._logger, type(self._callbacks.logger))
+        uri = (Path(unit.folder) / "resources").as_uri() if resources is None else resources
         self.dll.fmi2Instantiate.restype = ctypes.c_void_p
         self.component = self.dll.fmi2Instantiate(
             name.encode(),
@@ -137,25 +112,17 @@ class Instance:
     def status_of_setting(self, values):
         """Sets values by name with one call per type; the worst status."""
         worst = OK
-        for kind, c_type in (
-            ("Real", ctypes.c_double),
-            ("Integer", ctypes.c_int),
-            ("Boolean", ctypes.c_int),
-        ):
+        for kind, c_type in SCALARS.items():
             names = [n for n in values if self.kind(n) == kind]
             if names:
                 references = self.references(names)
                 data = (c_type * len(names))(*(c_type(values[n]).value for n in names))
-                status = self.call(
-                    f"fmi2Set{kind}", references, ctypes.c_size_t(len(names)), data
-                )
+                status = self.call(f"fmi2Set{kind}", references, ctypes.c_size_t(len(names)), data)
                 worst = max(worst, status)
         return worst
 
     def references(self, names):
-        return (ctypes.c_uint * len(names))(
-            *(self.unit.variables[n].valueReference for n in names)
-        )
+        return (ctypes.c_uint * len(names))(*(self.unit.variables[n].valueReference for n in names))
 
     def set(self, values):
         status = self.status_of_setting(values)
@@ -166,7 +133,7 @@ class Instance:
         out = []
         for name in names:
             kind = self.kind(name)
-            data = ((ctypes.c_double if kind == "Real" else ctypes.c_int) * 1)()
+            data = (SCALARS[kind] * 1)()
             self.expect(f"fmi2Get{kind}", self.references([name]), ctypes.c_size_t(1), data)
             out.append(data[0])
         return out[0] if len(names) == 1 else out
@@ -180,14 +147,8 @@ class Instance:
     # Life ------------------------------------------------------------------------------------
 
     def setup(self, start=0.0, stop=None):
-        return self.call(
-            "fmi2SetupExperiment",
-            0,
-            ctypes.c_double(0.0),
-            ctypes.c_double(start),
-            int(stop is not None),
-            ctypes.c_double(stop or 0.0),
-        )
+        times = ctypes.c_double(start), int(stop is not None), ctypes.c_double(stop or 0.0)
+        return self.call("fmi2SetupExperiment", 0, ctypes.c_double(0.0), *times)
 
     def initialize(self, values=None, start=0.0, stop=None):
         """From instantiated to the first communication point, or to Continuous-Time Mode."""

@@ -25,11 +25,6 @@ def test_frequency_response_is_that_of_the_papers_table_2(fmus, rpm):
     assert response.measured == pytest.approx(response.closed_form, abs=0.01)
 
 
-def test_nominal_torque_gives_the_nominal_normal_force(tabulated):
-    record = scenes.slow_cycles(tabulated, 100.0, cycles=1)
-    assert record["mesh.normalForce"].mean() == pytest.approx(2660.4, abs=0.1)
-
-
 def test_explicit_and_implicit_steps_agree_on_the_slow_cycle(tabulated):
     implicit = scenes.slow_cycles(tabulated, 100.0, load_dependent=False, cycles=1)
     explicit = scenes.steady_cycles(tabulated, scenes.SLOW_RPM, cycles=1)
@@ -47,6 +42,7 @@ def test_explicit_and_implicit_steps_agree_on_the_slow_cycle(tabulated):
 def test_slow_rotation_reproduces_the_static_solution(tabulated):
     cycle = gearmesh.solve(PAIR, 100.0, **COARSE)
     record = scenes.slow_cycles(tabulated, 100.0, cycles=2)
+    assert record["mesh.normalForce"].mean() == pytest.approx(2660.4, abs=0.1)
     one = scenes.cycles_of(record)[0]
     delta = 1e6 * record["mesh.transmissionError"][one] * math.cos(0.3574830)
     found = np.interp(cycle.mesh_position[1:], record["mesh.position"][one], delta)

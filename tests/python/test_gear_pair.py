@@ -123,7 +123,7 @@ def test_the_version_is_that_of_the_project():
 
 def test_what_the_unit_logs_is_in_the_exception(fmu):
     with GearPair(fmu, {"stiffnessModel": "table"}) as pair:
-        with pytest.raises(GearPairError, match="stiffnessModel"):
+        with pytest.raises(GearPairError, match="stiffnessModel.*table"):
             pair.initialize()
     with GearPair(fmu) as pair:
         pair.initialize()

@@ -184,10 +184,6 @@ def test_fixed_parameters_rest_after_initialization_and_tunable_ones_do_not(mesh
     assert "constantStiffness is fixed" in instance.log()
 
 
-def test_a_unit_without_tables_says_so(mesh):
-    assert "table" in mesh().refused({"stiffnessModel": 2})
-
-
 def test_steps_must_follow_one_another(mesh):
     for time, step, said in (
         (0.0, 0.0, "communicationStepSize = 0"),
@@ -200,12 +196,6 @@ def test_steps_must_follow_one_another(mesh):
         instance = mesh().initialize(stop=1.0)
         assert instance.step(time, step) == ERROR
         assert said in instance.log()
-    # Times that are equal to rounding are equal: a host may multiply or add up.
-    instance = mesh().initialize(stop=1.0)
-    time = 0.0
-    for i in range(1, 1001):
-        assert instance.step(time, 1e-3) == OK, instance.log()
-        time = i * 1e-3 if i % 2 else time + 1e-3
 
 
 def last_successful_time(instance):
@@ -283,10 +273,11 @@ def test_the_log_has_refusals_always_and_events_when_it_is_on(mesh, units):
     assert quiet.messages == []
     assert quiet.status_of_setting({"damping": -1.0}) == ERROR
     assert [m[2] for m in quiet.messages] == ["logStatusError"]
-    loud = mesh(name="a#b")
+    odd = "%n%s%n%x #r1# \t"  # text, whatever it looks like to printf
+    loud = mesh(name=odd)
     assert loud.status_of_setting({"damping": -1.0}) == ERROR
     (name, status, category, form, _text), = loud.messages
-    assert (name, status, form) == ("a#b", ERROR, "%s")
+    assert (name, status, form) == (odd, ERROR, "%s")
     assert category == "logStatusError" and category in declared
     loud.expect("fmi2Reset")
     assert {m[2] for m in loud.messages} == {"logStatusError", "logEvents"} <= declared

@@ -4,7 +4,7 @@ import re
 import subprocess
 import tomllib
 import zipfile
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from xml.etree import ElementTree
 
 import gearmesh
@@ -155,13 +155,6 @@ def test_the_library_exports_the_interface_and_nothing_else(units):
     assert table.returncode == 0, table.stderr
     names = [line.split()[-1] for line in table.stdout.splitlines()]
     assert names and all(name.startswith("fmi2") for name in names), names
-
-
-def test_the_library_bears_the_model_identifier(fmus):
-    identifier = XML.find("CoSimulation").get("modelIdentifier")
-    with zipfile.ZipFile(fmus["external"]) as archive:
-        libraries = [PurePosixPath(n) for n in archive.namelist() if n.startswith("binaries/")]
-    assert libraries and all(p.stem == identifier for p in libraries)
 
 
 def test_the_archive_is_plain(fmus):

@@ -63,14 +63,9 @@ def test_output_derivatives_are_the_rates_of_the_outputs(mesh):
 
     middle = instance_at(0.0)
     assert middle.step(0.0, step) == OK
-    data = (ctypes.c_double * len(names))()
-    middle.expect(
-        "fmi2GetRealOutputDerivatives",
-        middle.references(names),
-        ctypes.c_size_t(len(names)),
-        (ctypes.c_int * len(names))(*[1] * len(names)),
-        data,
-    )
+    count, data = len(names), (ctypes.c_double * len(names))()
+    first_order = (ctypes.c_int * count)(*[1] * count)
+    middle.expect("fmi2GetRealOutputDerivatives", middle.references(names), ctypes.c_size_t(count), first_order, data)
     before, after = (instance_at(t).get(*names) for t in (-step, step))
     numeric = (np.array(after) - before) / (2 * step)
     assert np.array(list(data)) == pytest.approx(numeric, rel=1e-6)

@@ -93,12 +93,6 @@ def test_root_stress_is_that_of_the_static_solve(table_mesh, pair, flank):
             assert instance.get(f"mesh.rootStress{gear + 1}") == pytest.approx(known, rel=0.015), (gear, k)
 
 
-@pytest.mark.parametrize("parameter, remedy", [("friction", "friction = true"), ("rootStress", "--root-stress")])
-def test_an_effect_that_the_tables_do_not_hold_is_refused_by_name(table_mesh, parameter, remedy):
-    log = table_mesh("external-all").refused({parameter: 1})
-    assert f"{parameter} = true" in log and remedy in log
-
-
 def test_inspect_tells_the_root_stress_of_the_tables_and_its_error(table_fmus):
     rows = gearmesh.inspect(table_fmus["external-cycle"]).text.splitlines()
     told = [row for row in rows if row.strip().startswith("root stress")]

@@ -1,9 +1,6 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
-mod curves;
-mod draw;
-mod flank;
-pub mod page;
+mod sections;
 
 use std::path::{Path, PathBuf};
 
@@ -20,9 +17,9 @@ use crate::columns::lines;
 use crate::inspect::is_tables;
 use crate::model::{Fillets, ModelArgs, widen};
 use crate::output::{self, Job};
+use crate::page::{Page, Section};
 use crate::pair_summary::pair_summary;
 use crate::{Result, limits, study};
-use page::{Page, Section};
 
 /// Loads of the curves over the nominal torque; 70, 100, 130 N m of the paper's Fig. 20 are among them.
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];
@@ -124,7 +121,6 @@ impl Report {
             torques,
             survey: evenly(largest / TORQUES as f64, largest, TORQUES),
             tilts: evenly(low, high, if low < high { MISALIGNMENTS } else { 0 }),
-            positions: self.positions,
             speeds: evenly(speed / SPEEDS as f64, speed, SPEEDS),
         }
     }
@@ -139,20 +135,26 @@ impl Report {
         let model = self.model.model(&pair, roots, job)?;
         let solver = &model.solver;
         let with_roots = Variant::Pair(solver, model.fillets.as_ref());
-        let aligned = with_roots.cases(&loads.torques, &[0.0], loads.positions)?;
+        let aligned = with_roots.cases(&loads.torques, &[0.0], self.positions)?;
         let variant = Variant::Pair(solver, None);
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
-        let nominal = variant.cases(&[loads.nominal], &tilts, loads.positions)?;
-        let mut sections = vec![flank::modifications(&pair)];
-        sections.extend(variant_sections(&variant, loads, &aligned)?);
-        sections.insert(2, table(solver, &aligned));
-        sections.push(curves::losses(&pair, solver, loads)?);
-        sections.extend(flank::carried(&pair, &aligned, &nominal[0], &nominal[1..]));
+        let nominal = variant.cases(&[loads.nominal], &tilts, self.positions)?;
+        let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
+        let mut all = vec![sections::modifications(&pair)];
+        all.extend(variant_sections(&variant, loads, &aligned, &survey)?);
+        all.insert(2, table(solver, &aligned));
+        all.push(sections::losses(&pair, solver, loads, &survey));
+        all.extend(sections::carried(
+            &pair,
+            &aligned,
+            &nominal[0],
+            &nominal[1..],
+        ));
         if self.model.root_stress {
-            sections.push(flank::roots(&aligned, loads.nominal));
+            all.push(sections::roots(&aligned, loads.nominal));
         }
-        Ok((model.description, sections))
+        Ok((model.description, all))
     }
 
     fn tables_section(&self, path: &Path, pair: &Pair) -> Result<Section> {
@@ -176,8 +178,9 @@ impl Report {
         let table = Table::read(path)?;
         let name = format!("tables of {}", table.file().name);
         let variant = Variant::Tables(Box::new(table));
-        let cases = variant.cases(&loads.torques, &[0.0], loads.positions)?;
-        Ok((name, variant_sections(&variant, loads, &cases)?))
+        let cases = variant.cases(&loads.torques, &[0.0], self.positions)?;
+        let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
+        Ok((name, variant_sections(&variant, loads, &cases, &survey)?))
     }
 }
 
@@ -189,16 +192,19 @@ fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| low + step * i as f64).collect()
 }
 
-/// What pair files and tables both show; `cases` are those at the torques of the curves.
-fn variant_sections(variant: &Variant, loads: &Loads, cases: &[Case]) -> Result<Vec<Section>> {
-    let mut sections = vec![
-        curves::cycle(variant, cases),
-        curves::torque(variant, loads)?,
-    ];
+/// What pair files and tables both show: `cases` at the torques of the curves, and those of the aligned `survey`.
+fn variant_sections(
+    variant: &Variant,
+    loads: &Loads,
+    cases: &[Case],
+    survey: &[Case],
+) -> Result<Vec<Section>> {
+    let mut all = vec![sections::cycle(variant, cases)];
+    all.push(sections::torque(variant, loads, survey));
     if !loads.tilts.is_empty() {
-        sections.push(curves::misalignment(variant, loads)?);
+        all.push(sections::misalignment(variant, loads)?);
     }
-    Ok(sections)
+    Ok(all)
 }
 
 /// Adds to `sections` what those of the variant `name` show; its table becomes a section of its own.
@@ -253,8 +259,6 @@ pub struct Loads {
     pub survey: Vec<f64>,
     /// Misalignments over their range, rad; empty where there is none.
     pub tilts: Vec<f64>,
-    /// Positions over the mesh cycle at `torques`.
-    pub positions: usize,
     pub speeds: Vec<f64>,
 }
 

@@ -47,7 +47,7 @@ pub struct Solve {
     misalignment_mrad: Vec<f64>,
 
     /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
-    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(flank))]
+    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(|name| if name == "coast" { Flank::Coast } else { Flank::Drive }))]
     flank: Flank,
 
     #[command(flatten)]
@@ -76,13 +76,6 @@ pub struct Solve {
 fn torque(text: &str) -> Result<f64, String> {
     limits::torque(text)
         .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))
-}
-
-fn flank(name: String) -> Flank {
-    match &*name {
-        "coast" => Flank::Coast,
-        _ => Flank::Drive,
-    }
 }
 
 struct Solved {
@@ -236,10 +229,7 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
                 Some(stress) => list(&mut terms, &nominal(), &stress),
                 None => terms.row("beyond the standard", "(rim or notch)"),
             }
-            rows.row(
-                format!("ISO 6336-3, gear {}", i + 1),
-                terms.joined("; ", " "),
-            );
+            rows! { rows; format!("ISO 6336-3, gear {}", i + 1) => "{}", terms.joined("; ", " "); }
         }
     }
     text
@@ -305,10 +295,10 @@ fn difference(solved: &Solved, other: &Solved) -> String {
         let share = |(a, b)| Some(column.number(&a)? / column.number(&b)? - 1.0);
         let shares = both.filter_map(share).filter(|share| share.is_finite());
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let words = worst.map_or("none to give: it is zero".into(), |worst| {
-            format!("{:+.2} %", 100.0 * worst)
-        });
-        rows.row(&column.head, words);
+        match worst {
+            Some(worst) => rows! { rows; &column.head => "{:+.2} %", 100.0 * worst; },
+            None => rows.row(&column.head, "none to give: it is zero"),
+        }
     }
     rows! { rows; "time for its elastic model" => "{}", model.effort; }
     if let Some(f) = &model.fillets {

@@ -75,7 +75,8 @@ pub fn json(
     json.extend(object(&summary(solver), &case));
     json.extend(object(&details(solver), &case));
     // Of what has both, a list over the positions stands here, not the value of the cycle.
-    json.extend(lists(&positions(&[]), at_positions(case)));
+    let rows: Vec<At> = at_positions(case).collect();
+    json.extend(lists(&positions(&[]), &rows));
     let mut more = |name: &str, value: Value| json.insert(name.into(), value);
     more("load_share", (0..cycle.results.len()).map(shares).collect());
     more("tooth_pairs", json!(pairs));
@@ -97,11 +98,8 @@ pub fn json(
         let positions = cycle.results.len();
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
             let stress = |tooth: &ToothRoot| Some(1e-6 * stress(tooth)?);
-            json!(
-                gears
-                    .each_ref()
-                    .map(|gear| gear.over_cycle(positions, stress))
-            )
+            let [one, two] = gears.each_ref().map(|g| g.over_cycle(positions, stress));
+            json!([one, two])
         };
         more("root_stress_mpa", over_cycle(|t| Some(t.largest.stress)));
         let at_tangent = over_cycle(|t| Some(t.at_tangent?.stress));
@@ -116,7 +114,7 @@ pub fn json(
         let nominal = [0, 1].map(|i| Some(object(&nominal(), &nominal_stress(solver, case, i)?)));
         more("iso_6336_3", json!(nominal));
     }
-    json.extend(lists(&losses(pair, case), speeds.iter().copied()));
+    json.extend(lists(&losses(pair, case), speeds));
     json
 }
 
@@ -128,7 +126,7 @@ pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
 
 type At<'a> = (usize, &'a Case);
 
-pub fn at_positions(case: &Case) -> impl Iterator<Item = At<'_>> + Clone {
+pub fn at_positions(case: &Case) -> impl Iterator<Item = At<'_>> {
     (0..case.cycle.results.len()).map(move |i| (i, case))
 }
 
@@ -316,9 +314,9 @@ pub fn nominal() -> Vec<Column<'static, NominalRootStress>> {
         "y_b", ["Y_B", "", 3] => n.rim_factor;
         "virtual_teeth" => n.virtual_teeth;
         "virtual_contact_ratio" => n.virtual_contact_ratio;
-        "load_angle_deg" => n.load_angle.to_degrees();
-        "h_fe_over_module" => n.lever_arm;
-        "s_fn_over_module" => n.chord;
-        "rho_f_over_module" => n.fillet_radius;
+        "load_angle_deg" => n.section.load_angle.to_degrees();
+        "h_fe_over_module" => n.section.lever_arm;
+        "s_fn_over_module" => n.section.chord;
+        "rho_f_over_module" => n.section.fillet_radius;
     }
 }

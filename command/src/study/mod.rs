@@ -44,7 +44,7 @@ pub struct Study {
     /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and its values; repeatable.
     /// FIELD=LOW..HIGH/POINTS: on a grid, several fields with commas between them share a value. FIELD=LOW..HIGH: drawn in
     /// that interval. FIELD=+-TOLERANCE: drawn about the value in the file, or about that of the grid
-    #[arg(long, value_name = "FIELD=VALUES")]
+    #[arg(long, value_name = "FIELD=VALUES", value_parser = Requested::parse)]
     vary: Vec<Requested>,
 
     /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile and helix slope of both gears are drawn within its f_HaT and f_HbT
@@ -156,7 +156,8 @@ impl Study {
         };
         let tilts = range("misalignment_mrad", 1e-3);
         let offsets = range("center_distance_offset_um", 1e-6);
-        for &torque in torques.iter().chain([&range("torque_nm", 1.0)[1]]) {
+        let [_, largest] = range("torque_nm", 1.0);
+        for torque in torques.iter().copied().chain([largest]) {
             widen(&mut pair, torque, tilts, offsets);
         }
 
@@ -302,7 +303,6 @@ impl Setup {
             let field = &variation.field;
             let mut acts = false;
             let drawn = pair.microgeometry.flank(FLANK);
-            let mut flanks = vec![drawn.clone()];
             for value in [variation.low, variation.high] {
                 let mut changed = base.clone();
                 for name in variation.fields() {
@@ -327,9 +327,9 @@ impl Setup {
                          its own; vary modifications, {LOADS}"
                     );
                 }
-                flanks.push(found.microgeometry.flank(FLANK).clone());
+                acts |= found.microgeometry.flank(FLANK) != drawn;
             }
-            if !acts && flanks.iter().all(|flank| flank == drawn) {
+            if !acts {
                 refuse!(
                     "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment \
                      and centre distance of the command line; vary modifications of that flank, {LOADS}"
@@ -357,13 +357,11 @@ impl Setup {
     /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
     fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
         let fields = self.plan.values(point, number, self.seed);
-        let outcome = self
-            .solve(pair, model, &fields)
-            .map_err(|error| error.to_string());
+        let outcome = self.solve(pair, model, &fields);
         Sample {
             point,
             number,
-            outcome,
+            outcome: outcome.map_err(|error| error.to_string()),
             fields,
         }
     }

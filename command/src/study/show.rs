@@ -10,7 +10,7 @@ use super::variation::Variation;
 use super::{Setup, Summary};
 use crate::case::torque_in_words;
 use crate::columns::{Listing, columns, table};
-use crate::report::page::{Curve, Figure, Height, Map, Page, Section, Style, charts};
+use crate::page::{Curve, Figure, Height, Map, Page, Section, Style, charts};
 use crate::{Result, output};
 
 const CORRELATIONS: &str = "

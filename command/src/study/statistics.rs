@@ -272,10 +272,9 @@ impl BestArgs {
             Judged::Mean => "mean of the samples",
             Judged::Worst => "worst of the samples",
         };
-        let over = if needed == 1 {
-            ""
-        } else {
-            ", weighted over the torques"
+        let over = match torques {
+            [_] => "",
+            _ => ", weighted over the torques",
         };
         Ok(Measure {
             result,

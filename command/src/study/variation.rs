@@ -1,7 +1,5 @@
 //! What a study varies: fields of the pair file and the load, on a grid or drawn within an interval.
 
-use std::str::FromStr;
-
 use gearmesh::gear::tolerance;
 use gearmesh::pair::Pair;
 use gearmesh::random::Random;
@@ -32,51 +30,54 @@ pub struct Requested {
     is_tolerance: bool,
 }
 
-impl FromStr for Requested {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Requested, String> {
-        let requested = || -> Option<Requested> {
-            let number = |text: &str| limits::finite(text).ok();
-            let (fields, range) = text.split_once('=')?;
-            let field = fields.replace(' ', "");
-            let mut points = None;
-            let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
-            let (low, high) = if let Some(tolerance) = tolerance {
-                let high = number(tolerance)?.abs();
-                (-high, high)
-            } else {
-                let (low, mut high) = range.split_once("..")?;
-                if let Some((end, count)) = high.split_once('/') {
-                    high = end;
-                    let count = count.trim().parse().ok();
-                    points = Some(count.filter(|n| (2..=1000).contains(n))?);
-                }
-                (number(low)?, number(high)?)
-            };
-            // Fields that share a value are those of a grid.
-            let is_named = field.split(',').all(|field| !field.is_empty())
-                && (!field.contains(',') || points.is_some());
-            (is_named && low <= high).then_some(Requested {
-                variation: Variation {
-                    field,
-                    low,
-                    high,
-                    points,
-                },
-                is_tolerance: tolerance.is_some(),
-            })
-        };
-        requested().ok_or_else(|| {
+impl Requested {
+    pub fn parse(text: &str) -> Result<Requested, String> {
+        Requested::of(text).ok_or_else(|| {
             format!(
                 "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE or FIELD=LOW..HIGH/POINTS with 2 to 1000 points, such as \
                  gear1.lead_slope_um=+-8, misalignment_mrad=-0.5..0.5 or gear1.lead_crowning_um=0..10/11"
             )
         })
     }
+
+    fn of(text: &str) -> Option<Requested> {
+        let number = |text: &str| limits::finite(text).ok();
+        let (fields, range) = text.split_once('=')?;
+        let field = fields.replace(' ', "");
+        let mut points = None;
+        let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
+        let [low, high] = if let Some(tolerance) = tolerance {
+            let high = number(tolerance)?.abs();
+            [-high, high]
+        } else {
+            let (low, mut high) = range.split_once("..")?;
+            if let Some((end, count)) = high.split_once('/') {
+                high = end;
+                let count = count.trim().parse().ok();
+                points = Some(count.filter(|n| (2..=1000).contains(n))?);
+            }
+            [number(low)?, number(high)?]
+        };
+        // Fields that share a value are those of a grid.
+        let is_named = field.split(',').all(|field| !field.is_empty())
+            && (!field.contains(',') || points.is_some());
+        (is_named && low <= high).then_some(Requested {
+            variation: Variation::new(field, [low, high], points),
+            is_tolerance: tolerance.is_some(),
+        })
+    }
 }
 
 impl Variation {
+    fn new(field: String, [low, high]: [f64; 2], points: Option<usize>) -> Variation {
+        Variation {
+            field,
+            low,
+            high,
+            points,
+        }
+    }
+
     pub fn fields(&self) -> impl Iterator<Item = &str> {
         self.field.split(',')
     }
@@ -126,16 +127,8 @@ impl Plan {
                 let both = format!("gear{}.{name}", i + 1);
                 let field = draft.number(&own).map_or(both, |_| own);
                 let about = as_drawn(&field);
-                let (low, high, points) = (-1e6 * tolerance, 1e6 * tolerance, None);
-                plan.add(
-                    Variation {
-                        field,
-                        low,
-                        high,
-                        points,
-                    },
-                    about,
-                )?;
+                let ends = [-1e6 * tolerance, 1e6 * tolerance];
+                plan.add(Variation::new(field, ends, None), about)?;
             }
         }
         let varied: Vec<Variation> = plan.all().cloned().collect();
@@ -240,32 +233,21 @@ mod tests {
             ("a=±0.5", [-0.5, 0.5], true, None),
             ("a, b=1..3/5", [1.0, 3.0], false, Some(5)),
         ] {
-            let Requested {
-                variation: v,
-                is_tolerance: about,
-            } = text.parse().unwrap();
-            assert_eq!(([v.low, v.high], v.points), (ends, points));
-            assert_eq!(about, is_tolerance);
+            let found = Requested::of(text).unwrap();
+            let Variation { low, high, .. } = found.variation;
+            assert_eq!(([low, high], found.variation.points), (ends, points));
+            assert_eq!(found.is_tolerance, is_tolerance);
         }
         let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3";
         for wrong in wrong.split('|') {
-            assert!(wrong.parse::<Requested>().is_err(), "{wrong}");
-        }
-    }
-
-    fn variation(field: &str, low: f64, high: f64, points: Option<usize>) -> Variation {
-        Variation {
-            field: field.into(),
-            low,
-            high,
-            points,
+            assert!(Requested::of(wrong).is_none(), "{wrong}");
         }
     }
 
     #[test]
     fn samples_stay_in_their_intervals_fill_them_and_do_not_depend_on_their_order() {
-        let variations =
-            [("a", -2.0, 6.0), ("b", 0.0, 1.0)].map(|(f, low, high)| variation(f, low, high, None));
+        let drawn = |field: &str, ends| Variation::new(field.into(), ends, None);
+        let variations = [drawn("a", [-2.0, 6.0]), drawn("b", [0.0, 1.0])];
         let samples: Vec<Vec<f64>> = (1..=2000).map(|n| draw(&variations, 7, n)).collect();
         let mean = |k: usize| samples.iter().map(|s| s[k]).sum::<f64>() / 2000.0;
         assert!((mean(0) - 2.0).abs() < 0.2 && (mean(1) - 0.5).abs() < 0.03);
@@ -278,12 +260,13 @@ mod tests {
 
     #[test]
     fn a_grid_has_every_combination_once_and_tolerances_lie_about_each_of_its_points() {
+        let axis = |field: &str, ends, points| Variation::new(field.into(), ends, points);
         let plan = Plan {
             grid: vec![
-                variation("a,b", 0.0, 2.0, Some(3)),
-                variation("c", 5.0, 6.0, Some(2)),
+                axis("a,b", [0.0, 2.0], Some(3)),
+                axis("c", [5.0, 6.0], Some(2)),
             ],
-            drawn: vec![variation("a", 9.0, 11.0, None)],
+            drawn: vec![axis("a", [9.0, 11.0], None)],
             fields: [("a", 10.0), ("b", 20.0), ("c", 0.0)]
                 .map(|(f, v)| (f.into(), v))
                 .into(),

@@ -1,4 +1,5 @@
-//! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range.
+//! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range; `gearmesh import
+//! SAMPLES.csv --pair PAIR.json -o TABLES.json`: that of another contact program.
 
 mod sweeps;
 
@@ -11,6 +12,7 @@ use gearmesh::pair::Pair;
 use gearmesh::table::{TableFile, TeethRecord};
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::import::import_csv;
 use gearmesh_preprocessor::table::{Coverage, WatchedSolver, tilt};
 use serde_json::json;
 
@@ -236,5 +238,66 @@ fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
         misalignment: range(1),
         nominal_torque: o.nominal_torque,
         maximum_torque: o.maximum_torque,
+    }
+}
+
+/// Make tables of the samples of another contact program.
+///
+/// CSV with a header and the columns torque_nm, mesh_position, center_distance_offset_um,
+/// misalignment_mrad, ste_loa_um, contact_z_mm; one row for every point of a full grid.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// Samples of the drive flank
+    samples: PathBuf,
+
+    /// Pair file that the samples belong to
+    #[arg(long)]
+    pair: PathBuf,
+
+    /// Samples of the coast flank [default: the drive flank's, mirrored]
+    #[arg(long)]
+    coast: Option<PathBuf>,
+
+    /// Tables to write
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+impl Import {
+    pub fn run(self) -> Result<()> {
+        let files = [&self.pair, &self.samples].into_iter().chain(&self.coast);
+        output::check_writable(&self.output, files)?;
+        let pair = pair::read(&self.pair)?;
+        let nominal = pair.operating.nominal_torque;
+        let read = |path: &PathBuf| -> Result<_> {
+            let named = |error: String| format!("{}: {error}", path.display());
+            let imported = import_csv(&output::read_text(path)?, &pair.geometry);
+            let imported = imported.map_err(|error| named(error.to_string()))?;
+            let doubt = imported.doubt(&pair.geometry, nominal);
+            if let Some(doubt) = doubt.map_err(|error| named(error.to_string()))? {
+                eprintln!("gearmesh: note: {}", named(doubt));
+            }
+            Ok(imported)
+        };
+        let drive = read(&self.samples)?;
+        let coast = self.coast.as_ref().map(read).transpose()?;
+        if coast.is_none() && !pair.coast_mirrors_drive() {
+            refuse!(
+                "{}: modifications or face offset make the flanks differ; give the samples of the coast flank with --coast",
+                self.pair.display()
+            );
+        }
+        let file = TableFile::new(
+            &pair.name,
+            &format!("samples in {}", self.samples.display()),
+            &pair.geometry,
+            [nominal, drive.maximum_torque],
+            &drive.grid,
+            coast.as_ref().map(|c| &c.grid),
+        );
+        file.check()?;
+        output::write_whole(&self.output, file.to_json().as_bytes())?;
+        let (path, words) = (self.output.display(), file.size_and_error());
+        output::print(&format!("Wrote {path}: {words}\n"))
     }
 }

@@ -115,7 +115,7 @@ impl Sweeps<'_> {
             };
             self.watched("root stress", |watch| -> Result<_> {
                 let samples = sweep.samples(&axes, watch)?;
-                let table = LoadSpline::new(&axes, &samples, [true; 2])?;
+                let table = LoadSpline::new(axes.nodes(), &samples.columns(), [true; 2])?;
                 let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
                 Ok((samples, error))
             })

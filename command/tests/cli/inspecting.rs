@@ -21,10 +21,7 @@ fn shipped_pairs_can_be_inspected_with_their_contact_ratios_nominal_force_and_th
         succeed(format!("inspect {}", entry.unwrap().path().display()));
     }
     let ring = succeed(concat!("inspect ", pairs!(), "planet-ring-27-84.json"));
-    contains!(
-        ring,
-        "each thinned by 40.0 um at the operating pitch circle"
-    );
+    contains!(ring, "each thinned by 40.0 um at the operating pitch");
 }
 
 #[test]
@@ -45,9 +42,8 @@ fn a_topography_in_the_folder_of_the_pair_is_shown_with_its_least_and_largest_re
         }
     });
     let shown = succeed!("inspect {pair}");
-    let removal =
-        "removal -23.67 to -5.06 um on the active flank, -23.67 um at the tip at mid-face";
-    contains!(shown, removal);
+    contains!(shown, "removal -23.67 to -5.06 um on the active flank");
+    contains!(shown, ", -23.67 um at the tip at mid-face");
 }
 
 #[test]

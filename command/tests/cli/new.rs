@@ -64,24 +64,19 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
         "left: cylindrical_gear 11: u_coordinate_on_shaft"
     );
     let shown = json(succeed!("inspect {pair} --json"));
-    let [start, length, slope] = [
-        "tip_relief/start/diameter_mm",
-        "lower_end_relief/length_mm",
-        "lead_slope_um",
-    ]
-    .map(|field| format!("/gear1/reliefs/drive_flank/{field}"));
-    for (pointer, value, within) in [
-        ("/center_distance_mm", 82.104, 1e-9),
-        ("/gear1/span_measurement_mm", 30.68, 1e-6),
-        ("/gear2/dimension_over_balls_mm", 91.9, 1e-6),
-        (&start, 86.0, 1e-6),
-        (&length, 3.0, 1e-9),
-        (&slope, 0.0, 1e-9),
-        ("/gear2/reliefs/drive_flank/lead_crowning_um", 4.0, 1e-9),
-        ("/gear1/lead_mm", 1117.2538, 1e-3),
+    let flank = &shown["gear1"]["reliefs"]["drive_flank"];
+    let flank2 = &shown["gear2"]["reliefs"]["drive_flank"];
+    for (shown, value, within) in [
+        (&shown["center_distance_mm"], 82.104, 1e-9),
+        (&shown["gear1"]["span_measurement_mm"], 30.68, 1e-6),
+        (&shown["gear2"]["dimension_over_balls_mm"], 91.9, 1e-6),
+        (&flank["tip_relief"]["start"]["diameter_mm"], 86.0, 1e-6),
+        (&flank["lower_end_relief"]["length_mm"], 3.0, 1e-9),
+        (&flank["lead_slope_um"], 0.0, 1e-9),
+        (&flank2["lead_crowning_um"], 4.0, 1e-9),
+        (&shown["gear1"]["lead_mm"], 1117.2538, 1e-3),
     ] {
-        let shown = number(shown.pointer(pointer).unwrap());
-        assert!((shown - value).abs() < within, "{pointer} = {shown}");
+        assert!((number(shown) - value).abs() < within, "{shown} {value}");
     }
     assert_eq!(shown["gear2"]["hand"], "left");
 }
@@ -89,10 +84,7 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
 #[test]
 fn a_ring_in_rexs_json_keeps_the_sign_of_iso_21771() {
     let text = succeed!("new --rexs {REXS}/stages.rexsj --stage 1");
-    contains!(text, r#""profile_shift_iso_21771": -0.2"#, r#""teeth": 84"#);
-    contains!(
-        text,
-        r#""root_diameter_mm": 173.8"#,
-        r#""meshing": "internal""#
-    );
+    let text = text.replace('"', "");
+    contains!(text, "profile_shift_iso_21771: -0.2", "teeth: 84");
+    contains!(text, "root_diameter_mm: 173.8", "meshing: internal");
 }

@@ -20,7 +20,6 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let ste = numbers(&json["ste_loa_um"]);
     let value = |key: &str| number(&json[key]);
     let span = largest(ste.clone()) + largest(ste.iter().map(|ste| -ste));
-    let lost = 0.05 * value("loss_factor");
     let even = value("loss_factor_ohlendorf") / value("loss_factor");
     for (found, expected, within) in [
         (value("mean_ste_loa_um"), mean(&ste), 1e-9),
@@ -46,12 +45,6 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     for coefficient in numbers(&json["friction_coefficient"]) {
         assert!((coefficient - 0.05).abs() < 1e-15);
     }
-    let [loss, efficiency] = ["loss_w", "efficiency"].map(|key| numbers(&json[key]));
-    for (i, rpm) in [500.0, 1500.0].into_iter().enumerate() {
-        let transmitted = 100.0 * rpm * TAU / 60.0;
-        assert!((loss[i] / (lost * transmitted) - 1.0).abs() < 1e-9);
-        assert!((1.0 - efficiency[i] - lost).abs() < 1e-12);
-    }
     let text = succeed!("solve {PAPER} --torque-nm 100 --positions 12 {QUICK}");
     let shown = format!("{:.4} um", value("mean_ste_loa_um"));
     contains!(text, &shown);
@@ -69,12 +62,17 @@ fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
                 "law": law, "dynamic_viscosity_mpa_s": 20, "roughness_ra_um": [0.4, 0.4],
             });
         });
-        let options = format!("--positions 8 --json --torque-nm 100 --speed-rpm 1000 {QUICK}");
-        let json = json(succeed!("solve {pair} {options}"));
-        let factor = number(&json["loss_factor"]) * numbers(&json["friction_coefficient"])[0];
-        let product = factor * 100.0 * 1000.0 * TAU / 60.0;
-        let ratio = numbers(&json["loss_w"])[0] / product;
-        assert!((ratio - 1.0).abs() < 1e-9, "{law}: {ratio}");
+        let options = "--positions 8 --json --torque-nm 100 --speed-rpm 500,1500";
+        let json = json(succeed!("solve {pair} {options} {QUICK}"));
+        let [coefficient, loss, efficiency] =
+            ["friction_coefficient", "loss_w", "efficiency"].map(|key| numbers(&json[key]));
+        for (i, rpm) in [500.0, 1500.0].into_iter().enumerate() {
+            let lost = number(&json["loss_factor"]) * coefficient[i];
+            let transmitted = 100.0 * rpm * TAU / 60.0;
+            let ratio = loss[i] / (lost * transmitted);
+            assert!((ratio - 1.0).abs() < 1e-9, "{law}: {ratio}");
+            assert!((1.0 - efficiency[i] - lost).abs() < 1e-12, "{law}");
+        }
     }
 }
 
@@ -227,11 +225,7 @@ fn the_error_is_estimated_from_another_refinement_and_that_of_nothing_is_none() 
     let text = succeed!("solve {PAPER} --estimate-error --root-stress {QUICK}");
     let (solved, estimate) = text.split_once("estimated error").expect(&text);
     contains!(solved, "time for the model of the fillets");
-    contains!(
-        estimate,
-        "time for its model of the fillets",
-        "finite elements, normal"
-    );
+    contains!(estimate, "its model of the fillets", "elements, normal");
     // docs/validation.md: coarse is 0.3 % and some percent of a small swing away; docs/root-stress.md: some percent.
     // The refinements have segments of different lengths, which K_Hbeta does not feel.
     let names = "mean STE,p-p STE,root stress 1,root stress 2,K_Hbeta";

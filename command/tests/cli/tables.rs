@@ -21,8 +21,11 @@ fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     succeed!("pack --tables {tables} -o {packed}");
     let made = succeed!("build {PAPER} -o {built} {SMALL} {QUICK}");
     let [tabulated, packed, built] = [tables, packed, built].map(|file| succeed!("inspect {file}"));
-    contains!(made, "teeth: each thinned by 0.1 um");
-    contains!(made, "note: at a centre distance offset of -100 um");
+    contains!(
+        made,
+        "thinned by 0.1 um",
+        "note: at a centre distance offset"
+    );
     contains!(tabulated, "1 misalignment x", "rms");
     contains!(built, "time of one evaluation", "table: error at");
     // The GUID is that of the contents.
@@ -87,12 +90,8 @@ fn tooth_pairs_one_by_one_are_what_their_unit_starts_with_and_refuse_teeth_of_th
     let built = succeed(with(errors));
     assert!(built.contains("`stiffnessModel = teeth`, which takes the tooth errors"));
     let shown = succeed!("inspect {fmu}");
-    contains!(
-        shown,
-        "teeth: error at 1000 random points",
-        "tooth pairs one by one",
-        "um/kN"
-    );
+    contains!(shown, "teeth: error at 1000 random points");
+    contains!(shown, "tooth pairs one by one", "um/kN");
     let start = line(&shown, "start: stiffnessModel");
     assert!(start.ends_with(" teeth"), "{start}");
 }

@@ -1,7 +1,7 @@
 //! Rims, webs, hubs and foundations against an independent model of the whole gear and against closed forms.
 
-use super::mesh::Mesh;
-use super::tests::{model, segment};
+use super::mesh::Layers;
+use super::tests::{model, plane, segment};
 use super::*;
 use crate::samples;
 use approx::assert_relative_eq;
@@ -15,22 +15,14 @@ fn gear_of(case: &Value) -> Gear {
     let number = |key: &str| case[key].as_f64().unwrap();
     let ends = |key: &str| [0, 1].map(|i| 1e-3 * case[key][i].as_f64().unwrap());
     let teeth = number("teeth") as u32;
-    let gear = samples::gear(
-        GearKind::External,
-        teeth,
-        1.0,
-        number("helix_angle_deg"),
-        0.0,
-    );
+    let helix = number("helix_angle_deg");
+    let gear = samples::gear(GearKind::External, teeth, 1.0, helix, 0.0);
     let mut gear = samples::with_module(gear, 1e-3 * number("normal_module_mm"));
     gear.face_width = 1e-3 * number("face_width_mm");
     gear.tip_radius = gear.reference_radius() + gear.normal_module;
     gear.held_radius = 0.5e-3 * number("bore_diameter_mm");
-    let held = |z: &Value| {
-        case["held_z_mm"]
-            .as_array()
-            .is_some_and(|held| held.contains(z))
-    };
+    let held_ends = case["held_z_mm"].as_array();
+    let held = |z: &Value| held_ends.is_some_and(|held| held.contains(z));
     gear.body = Some(Body {
         rim_radius: gear.root_radius() - 1e-3 * number("rim_thickness_mm"),
         web: ends("web_z_mm"),
@@ -62,29 +54,72 @@ fn thin_rims_and_pinion_shafts_give_way_like_an_independent_model_of_the_whole_g
             .collect();
         let bulk = |gear: &Gear| 1e9 * model(gear, &settings).bulk(&segments).unwrap();
         let found = bulk(&gear);
-        for (i, j) in (0..segments.len()).flat_map(|i| (0..segments.len()).map(move |j| (i, j))) {
-            let expected = case["influence_nm_per_n"][i][j].as_f64().unwrap();
-            assert_relative_eq!(found[(i, j)], expected, max_relative = 1e-2);
+        for (i, row) in found.row_iter().enumerate() {
+            for (j, found) in row.iter().enumerate() {
+                let expected = case["influence_nm_per_n"][i][j].as_f64().unwrap();
+                assert_relative_eq!(*found, expected, max_relative = 1e-2);
+            }
         }
         if gear.body.is_some_and(|body| body.held_ends == [false; 2]) {
             // A full disc is another gear.
-            let disc = bulk(&Gear { body: None, ..gear });
+            let disc = bulk(&disc(&gear));
             assert!(disc[0] < 0.8 * found[0], "{} {}", disc[0], found[0]);
         }
     }
 }
 
+/// Of 20 teeth, the rim inside at 28 mm, the hub at 20 mm, the bore at 15 mm.
+fn with_web(helix_deg: f64, web: [f64; 2], hub: [f64; 2]) -> Gear {
+    let mut gear = samples::gear(GearKind::External, 20, 1.0, helix_deg, 0.0);
+    gear.body = Some(Body {
+        rim_radius: 28e-3,
+        web,
+        hub_radius: 20e-3,
+        hub,
+        held_ends: [false; 2],
+    });
+    gear
+}
+
 fn webbed(helix_deg: f64) -> Gear {
+    with_web(helix_deg, [4e-3, 9e-3], [-3e-3, 21e-3])
+}
+
+fn disc(gear: &Gear) -> Gear {
     Gear {
-        body: Some(Body {
-            rim_radius: 28e-3,
-            web: [4e-3, 9e-3],
-            hub_radius: 20e-3,
-            hub: [-3e-3, 21e-3],
-            held_ends: [false; 2],
-        }),
-        ..samples::gear(GearKind::External, 20, 1.0, helix_deg, 0.0)
+        body: None,
+        ..gear.clone()
     }
+}
+
+#[test]
+fn layers_end_at_every_face_of_the_body_and_mirror_with_it() {
+    let gear = webbed(0.0);
+    let layers = |gear: &Gear| Layers::new(gear, &Discretization::of(Refinement::Normal));
+    let own = layers(&gear);
+    for z in [-3e-3, 0.0, 4e-3, 9e-3, 21e-3, 25e-3] {
+        assert!(own.stations.contains(&z), "{z}");
+    }
+    let face = [own.of_face()[0], own.of_face()[own.face.len()]];
+    assert_eq!(face, [0.0, 25e-3]);
+    let turned = layers(&gear.turned().unwrap()).stations;
+    assert_eq!(turned.len(), own.stations.len());
+    for (a, b) in turned.iter().rev().zip(&own.stations) {
+        assert!((25e-3 - a - b).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn wide_faces_have_thicker_layers_instead_of_more_but_for_the_thin_ones_at_the_ends() {
+    let [narrow, wide, wider] = [60e-3, 120e-3, 240e-3].map(|face_width| {
+        let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+        let sizes = Discretization::of(Refinement::Normal);
+        let stations = Layers::new(&Gear { face_width, ..gear }, &sizes).stations;
+        let end = stations[1] / 4e-3;
+        assert!((0.24..0.36).contains(&end), "{end}");
+        stations.len()
+    });
+    assert!(wide <= narrow + 4 && wider <= wide + 4);
 }
 
 fn coarse(gear: &Gear) -> FiniteElementCompliance {
@@ -93,21 +128,10 @@ fn coarse(gear: &Gear) -> FiniteElementCompliance {
 
 #[test]
 fn parts_as_wide_as_the_face_are_the_full_disc() {
-    let disc = Gear {
-        face_width: 12e-3,
-        ..samples::gear(GearKind::External, 20, 1.0, 13.0, 0.0)
-    };
-    let face = [0.0, disc.face_width];
-    let parts = Gear {
-        body: Some(Body {
-            rim_radius: 28e-3,
-            web: face,
-            hub_radius: 20e-3,
-            hub: face,
-            held_ends: [false; 2],
-        }),
-        ..disc.clone()
-    };
+    let face = [0.0, 12e-3];
+    let mut parts = with_web(13.0, face, face);
+    parts.face_width = face[1];
+    let disc = disc(&parts);
     let segments = [0, 1].map(|tooth| {
         let radius = 40e-3 - 2e-3 * f64::from(tooth);
         segment(&disc, tooth, [2e-3, 7e-3], radius)
@@ -123,15 +147,12 @@ fn parts_as_wide_as_the_face_are_the_full_disc() {
 #[test]
 fn volume_of_rim_web_and_hub_is_that_of_their_rings() {
     let gear = webbed(20.0);
-    let disc = Gear {
-        body: None,
-        ..gear.clone()
-    };
+    let disc = disc(&gear);
     for refinement in [Refinement::Coarse, Refinement::Normal, Refinement::Fine] {
         let settings = Settings::new(refinement, 1);
         let [(with, quality), (without, _)] = [&gear, &disc].map(|gear| {
             let model = Model::new(gear, &settings).unwrap();
-            Mesh::new(&model).volume_and_quality()
+            model.mesh().volume_and_quality()
         });
         let rings: f64 = [(15e-3, 20e-3, 1e-3), (20e-3, 28e-3, 20e-3)]
             .iter()
@@ -147,20 +168,18 @@ fn volume_of_rim_web_and_hub_is_that_of_their_rings() {
 #[test]
 fn flank_and_fillet_lie_where_the_outline_has_them() {
     let webbed = webbed(20.0);
-    let disc = Gear {
-        body: None,
-        ..webbed.clone()
-    };
-    for gear in [disc, webbed] {
-        let mesh = Mesh::new(&Model::new(&gear, &Settings::new(Refinement::Normal, 0)).unwrap());
+    for gear in [disc(&webbed), webbed] {
+        let mesh = Model::new(&gear, &Settings::new(Refinement::Normal, 0))
+            .unwrap()
+            .mesh();
         let (root, reference, tip) = (
             gear.root_radius() - 1e-9,
             gear.reference_radius() + 1e-9,
             gear.tip_radius + 1e-9,
         );
-        assert!(mesh.fillet.len() > 50 && mesh.flank.len() > 50);
+        assert!(mesh.fillet.len() > 50 && mesh.loads.len() > 50);
         let fillet = mesh.fillet.iter().map(|node| (*node, root..reference));
-        let flank = mesh.flank.iter().map(|flank| (flank.node, root..tip));
+        let flank = mesh.loads.iter().map(|load| (load[0].0 / 3, root..tip));
         for (node, radii) in fillet.chain(flank) {
             let [x, y, z] = mesh.points[node];
             assert!(radii.contains(&x.hypot(y)) && (-1e-12..25e-3 + 1e-12).contains(&z));
@@ -188,7 +207,7 @@ fn segments_seen_from_the_other_end_meet_the_body_turned_round() {
     assert!((&here - turned).amax() < 1e-9 * here.amax());
     assert!((&here - own.bulk(&segments(true)).unwrap()).amax() > 1e-2 * here.amax());
     // A full disc is itself turned round.
-    let disc = coarse(&Gear { body: None, ..gear });
+    let disc = coarse(&disc(&gear));
     assert!(disc.turned().is_none());
     let [here, turned] = [false, true].map(|mirror| disc.bulk(&segments(mirror)).unwrap());
     assert!((&here - turned).amax() < 1e-9 * here.amax());
@@ -314,10 +333,7 @@ fn bodies_that_do_not_join_and_plane_sections_of_webs_are_refused() {
     assert!(refused(|b| b.web = [9e-3, 9e-3]));
     assert!(refused(|b| b.web = [-5e-3, 9e-3]));
     assert!(refused(|b| b.hub = [5e-3, 9e-3]));
-    let plane = Settings {
-        plane_strain: true,
-        ..settings
-    };
+    let plane = plane(Refinement::Coarse, 0);
     let error = FiniteElementCompliance::new(&sound, &plane, &|_, _| true).unwrap_err();
     assert!(matches!(error, FiniteElementError::PlaneBody), "{error}");
 }

@@ -2,7 +2,8 @@
 
 use super::condensation::condense;
 use super::mesh::{LoadColumn, Mesh};
-use super::outline::Outline;
+use super::section::Outline;
+use super::tests::plane;
 use super::*;
 use crate::samples;
 use approx::assert_relative_eq;
@@ -10,13 +11,10 @@ use gearmesh::gear::{GearKind, ToothProfile};
 use gearmesh::pair::Refinement;
 use std::f64::consts::PI;
 
-const E: f64 = 206e9;
-
 fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {
     let module = 2e-3;
     let mut gear = samples::with_module(samples::gear(kind, teeth, 1.0, helix_deg, shift), module);
     gear.face_width = 10e-3;
-    gear.youngs_modulus = E;
     let kappa = gear.kappa();
     gear.tip_radius = gear.reference_radius() + module * (shift + kappa);
     gear.held_radius = match kind {
@@ -29,12 +27,8 @@ fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {
 #[test]
 fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     let gear = gear(GearKind::External, 12, 0.3, 0.0);
-    let settings = Settings {
-        plane_strain: true,
-        ..Settings::new(Refinement::Coarse, 1)
-    };
-    let model = Model::new(&gear, &settings).unwrap();
-    let sector = Mesh::new(&model);
+    let model = Model::new(&gear, &plane(Refinement::Coarse, 1)).unwrap();
+    let sector = model.mesh();
 
     // All sectors with common sides, nothing kept: side 1 of sector s is side 0 of sector s + 1.
     let n = sector.points.len();
@@ -48,13 +42,9 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
         left => (s + 1) % teeth * n + left,
     };
     let mut whole = Mesh {
-        points: Vec::new(),
-        angles: Vec::new(),
-        elements: Vec::new(),
-        cells: Vec::new(),
-        held: Vec::new(),
-        sides: [Vec::new(), Vec::new()],
-        ..sector.clone()
+        dimension: 2,
+        material: sector.material,
+        ..Mesh::default()
     };
     for s in 0..teeth {
         let turn = 2.0 * PI * s as f64 / teeth as f64;
@@ -62,35 +52,28 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
             let (r, angle) = (x.hypot(*y), sector.angles[node] + turn);
             whole.points.push([r * angle.cos(), r * angle.sin(), 0.0]);
             whole.angles.push(angle);
-            whole
-                .held
-                .push(sector.held[node] || twin[node] != usize::MAX);
+            let is_other_side = twin[node] != usize::MAX;
+            whole.held.push(sector.held[node] || is_other_side);
         }
-        whole
-            .elements
-            .extend(sector.elements.iter().map(|node| number(*node, s)));
-        whole.cells.extend(
-            sector
-                .cells
-                .iter()
-                .map(|c| [c[0] + 100 * s as i32, c[1], 0]),
-        );
+        for (nodes, cell) in sector.elements.iter().zip(&sector.cells) {
+            let nodes = nodes.iter().map(|node| number(*node, s));
+            whole.elements.push(nodes.collect());
+            whole.cells.push([cell[0] + 100 * s as i32, cell[1], 0]);
+        }
     }
-    let columns: Vec<LoadColumn> = [0, 1, 11]
-        .iter()
-        .flat_map(|s| sector.flank.iter().map(move |f| (*s, f)))
-        .map(|(s, f)| {
-            (0..2)
-                .map(|d| (2 * number(f.node, s) + d, f.normal[d]))
-                .collect()
-        })
+    let on_sector = |s: usize, load: &LoadColumn| -> LoadColumn {
+        let unknown = |at: usize| 2 * number(at / 2, s) + at % 2;
+        load.iter().map(|(at, n)| (unknown(*at), *n)).collect()
+    };
+    let columns: Vec<LoadColumn> = ([0, 1, 11].into_iter())
+        .flat_map(|s| sector.loads.iter().map(move |load| on_sector(s, load)))
         .collect();
-    let direct = condense(&whole, [E, 0.3], &columns, columns.len(), &|_| true)
+    let direct = condense(&whole, &columns, columns.len(), &|_| true)
         .unwrap()
         .held_influence;
 
     let influence = model.influence(&|_, _| true).unwrap();
-    let m = sector.flank.len();
+    let m = sector.loads.len();
     let scale = influence[0].amax();
     for i in 0..m {
         for j in 0..m {
@@ -127,19 +110,14 @@ fn meshes_of_usual_and_extreme_gears_are_sound() {
     ] {
         gears.push(gear(GearKind::External, teeth, shift, helix));
     }
-    let thin_rim = Gear {
-        held_radius: gears[3].root_radius() - 0.6e-3,
-        ..gears[3].clone()
-    };
-    let thick_web = Gear {
-        held_radius: 0.1 * gears[12].root_radius(),
-        ..gears[12].clone()
-    };
-    gears.extend([thin_rim, thick_web]);
+    let [mut thin_rim, mut small_bore] = [3, 12].map(|i: usize| gears[i].clone());
+    thin_rim.held_radius = thin_rim.root_radius() - 0.6e-3;
+    small_bore.held_radius = 0.1 * small_bore.root_radius();
+    gears.extend([thin_rim, small_bore]);
     for gear in &gears {
         for refinement in [Refinement::Coarse, Refinement::Normal, Refinement::Fine] {
-            let solid = model::Model::new(gear, &Settings::new(refinement, 1)).unwrap();
-            let (volume, quality) = Mesh::new(&solid).volume_and_quality();
+            let solid = Model::new(gear, &Settings::new(refinement, 1)).unwrap();
+            let (volume, quality) = solid.mesh().volume_and_quality();
             assert!(
                 quality > 0.05,
                 "z {} x {} quality {quality:.3}",

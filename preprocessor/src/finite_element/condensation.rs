@@ -40,11 +40,10 @@ const SHARE_OF_A_THREAD: f64 = 0.1;
 /// Multiplications below which a part is not worth a task of its own.
 const TASK: f64 = 1e8;
 
-/// Eliminates the inside of the sector `mesh` of `material` (Young's modulus, Pa, and Poisson ratio) under the first `loads` of
-/// `columns`; the others are functionals that are observed under them. `progress` is given the share done and may stop the work.
+/// Eliminates the inside of the sector `mesh` under the first `loads` of `columns`; the others are functionals that are observed
+/// under them. `progress` is given the share done and may stop the work.
 pub(super) fn condense(
     mesh: &Mesh,
-    material: [f64; 2],
     columns: &[LoadColumn],
     loads: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
@@ -52,7 +51,6 @@ pub(super) fn condense(
     let d = mesh.dimension;
     let mut work = Condensation {
         mesh,
-        material,
         cells: cells(mesh),
         places: vec![NONE; mesh.points.len()],
         entries: Vec::new(),
@@ -142,7 +140,7 @@ const NONE: usize = usize::MAX;
 /// Lowest and highest cell of the elements of each node, by axis.
 fn cells(mesh: &Mesh) -> Vec<[[i32; 2]; 3]> {
     let mut cells = vec![[[i32::MAX, i32::MIN]; 3]; mesh.points.len()];
-    for (nodes, cell) in mesh.connectivity().zip(&mesh.cells) {
+    for (nodes, cell) in mesh.elements.iter().zip(&mesh.cells) {
         for node in nodes {
             for ([low, high], cell) in cells[*node].iter_mut().zip(cell) {
                 (*low, *high) = (*cell.min(low), *cell.max(high));
@@ -161,7 +159,6 @@ fn inside(mesh: &Mesh) -> Vec<usize> {
 
 struct Condensation<'a> {
     mesh: &'a Mesh,
-    material: [f64; 2],
     cells: Vec<[[i32; 2]; 3]>,
     /// Place of each node in the order of elimination.
     places: Vec<usize>,
@@ -257,11 +254,8 @@ impl Condensation<'_> {
 
     fn count(&self, part: &mut Part) {
         part.inner.iter_mut().for_each(|inner| self.count(inner));
-        let mesh = self.mesh;
-        let nodes = part
-            .elements
-            .iter()
-            .flat_map(|element| mesh.nodes(*element));
+        let elements = part.elements.iter();
+        let nodes = elements.flat_map(|element| &self.mesh.elements[*element]);
         let nodes: Vec<usize> = nodes.copied().collect();
         let columns = self.entries(part).iter().map(|(_, column, _)| *column);
         let mut kept: Vec<usize> = (self.unknowns(&nodes).flatten().chain(columns))
@@ -322,8 +316,8 @@ impl Condensation<'_> {
             front.add(&rows.zip(0..).collect::<Vec<_>>(), &left);
         }
         for element in &part.elements {
-            let nodes = self.mesh.nodes(*element);
-            let stiffness = self.mesh.stiffness(nodes, self.material);
+            let nodes = &self.mesh.elements[*element];
+            let stiffness = self.mesh.stiffness(nodes);
             let numbers = self.unknowns(nodes).zip(0..);
             let mut rows: Vec<(usize, usize)> = numbers
                 .filter_map(|(number, at)| Some((part.row(number?), at)))
@@ -381,8 +375,8 @@ fn available(meminfo: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finite_element::Settings;
     use crate::finite_element::model::Model;
+    use crate::finite_element::tests::plane;
     use crate::samples;
     use gearmesh::gear::GearKind;
     use gearmesh::pair::Refinement;
@@ -390,12 +384,9 @@ mod tests {
     #[test]
     fn parts_leave_the_schur_complement_of_the_whole_matrix() {
         let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
-        let settings = Settings {
-            plane_strain: true,
-            ..Settings::new(Refinement::Coarse, 0)
-        };
-        let mesh = Mesh::new(&Model::new(&gear, &settings).unwrap());
-        let material = [1.0, 0.3];
+        let settings = plane(Refinement::Coarse, 0);
+        let mut mesh = Model::new(&gear, &settings).unwrap().mesh();
+        mesh.material = [1.0, 0.3];
         // The free unknowns, those of the sides last.
         let mut order = inside(&mesh);
         let inside = 2 * order.len();
@@ -403,8 +394,8 @@ mod tests {
         let n = 2 * order.len();
         let at = |node: usize| order.iter().position(|other| *other == node);
         let mut whole = DMatrix::<f64>::zeros(n, n);
-        for nodes in mesh.connectivity() {
-            let k = mesh.stiffness(nodes, material);
+        for nodes in &mesh.elements {
+            let k = mesh.stiffness(nodes);
             let rows: Vec<Option<usize>> = nodes.iter().map(|node| at(*node)).collect();
             for (i, j) in (0..k.nrows()).flat_map(|i| (0..k.nrows()).map(move |j| (i, j))) {
                 if let (Some(row), Some(column)) = (rows[i / 2], rows[j / 2]) {
@@ -421,24 +412,15 @@ mod tests {
             &[(inside - 2, 1.0)],
         ];
         let mut loads = DMatrix::<f64>::zeros(n, sparse.len());
-        for (j, column) in sparse.iter().enumerate() {
-            column
-                .iter()
-                .for_each(|(row, value)| loads[(*row, j)] = *value);
+        let mut columns = vec![LoadColumn::new(); sparse.len()];
+        for (j, entries) in sparse.iter().enumerate() {
+            for (row, value) in *entries {
+                loads[(*row, j)] = *value;
+                columns[j].push((2 * order[row / 2] + row % 2, *value));
+            }
         }
-        let columns: Vec<LoadColumn> = (sparse.iter())
-            .map(|column| {
-                column
-                    .iter()
-                    .map(|(row, v)| (2 * order[row / 2] + row % 2, *v))
-                    .collect()
-            })
-            .collect();
-        let factor = whole
-            .view((0, 0), (inside, inside))
-            .clone_owned()
-            .cholesky()
-            .unwrap();
+        let inner = whole.view((0, 0), (inside, inside)).clone_owned();
+        let factor = inner.cholesky().unwrap();
         let across = whole.view((inside, 0), (n - inside, inside));
         let (loads_inside, loads_sides) = (loads.rows(0, inside), loads.rows(inside, n - inside));
         let sides = whole.view((inside, inside), (n - inside, n - inside))
@@ -449,15 +431,13 @@ mod tests {
         let near = |found: &DMatrix<f64>, expected: &DMatrix<f64>| {
             assert!((found - expected).amax() < 1e-10 * expected.amax());
         };
-        let all = condense(&mesh, material, &columns, columns.len(), &|_| true).unwrap();
+        let all = condense(&mesh, &columns, columns.len(), &|_| true).unwrap();
         near(&all.sides.lower_triangle(), &sides.lower_triangle());
         near(&all.side_loads, &side_loads);
         near(&all.held_influence, &held);
-        let observed = condense(&mesh, material, &columns, 2, &|_| true).unwrap();
-        near(
-            &observed.held_influence,
-            &held.view((2, 0), (3, 2)).clone_owned(),
-        );
+        let observed = condense(&mesh, &columns, 2, &|_| true).unwrap();
+        let held = held.view((2, 0), (3, 2)).clone_owned();
+        near(&observed.held_influence, &held);
         near(&observed.side_loads, &side_loads);
     }
 

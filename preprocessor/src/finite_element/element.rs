@@ -4,7 +4,7 @@
 //! node is given by its local coordinates c in {-1, 0, 1}^d; a corner has no zero among them, a
 //! mid-edge node exactly one.
 
-use nalgebra::{DMatrix, Matrix3, RowVector3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Local coordinates of the nodes of the 8-node quadrilateral: corners, then mid-edges.
 pub(super) const QUAD8: [[f64; 3]; 8] = [
@@ -41,7 +41,8 @@ pub(super) const GAUSS3: [(f64, f64); 3] = [
     (0.774_596_669_241_483_4, 5.0 / 9.0),
 ];
 
-pub(super) fn lame(youngs_modulus: f64, poisson_ratio: f64) -> (f64, f64) {
+/// Lamé's constants lambda and mu of `material`: Young's modulus, Pa, and Poisson ratio.
+fn lame([youngs_modulus, poisson_ratio]: [f64; 2]) -> (f64, f64) {
     let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
     (2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio), mu)
 }
@@ -73,6 +74,22 @@ pub(super) fn shape(dimension: usize, c: &[f64; 3], xi: &[f64; 3]) -> (f64, [f64
         }
     }
     (if corner { product * sum } else { product }, gradient)
+}
+
+/// Place, m, and its derivatives by the local coordinates, where the shape functions of the nodes `x` are these.
+pub(super) fn place_and_tangents(
+    shapes: &[(f64, [f64; 3])],
+    x: &[[f64; 3]],
+) -> (Vector3<f64>, [Vector3<f64>; 3]) {
+    let (mut place, mut tangents) = (Vector3::zeros(), [Vector3::zeros(); 3]);
+    for ((value, gradient), x) in shapes.iter().zip(x) {
+        let x = Vector3::from(*x);
+        place += *value * x;
+        for (tangent, slope) in tangents.iter_mut().zip(gradient) {
+            *tangent += *slope * x;
+        }
+    }
+    (place, tangents)
 }
 
 /// An integration point of an element.
@@ -114,34 +131,31 @@ pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
 
 fn integration_point(x: &[[f64; 3]], xi: &[f64; 3], weight: f64) -> IntegrationPoint {
     let (dimension, nodes) = kind(x.len());
-    let local = nodes
-        .iter()
-        .map(|c| Vector3::from(shape(dimension, c, xi).1));
-    let local: Vec<Vector3<f64>> = local.collect();
+    let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, xi)).collect();
     // dx_j / dxi_i; a plane element is one unit deep.
-    let mut j = Matrix3::zeros();
-    for (gradient, point) in local.iter().zip(x) {
-        j += gradient * RowVector3::from(*point);
-    }
+    let (_, mut tangents) = place_and_tangents(&shapes, x);
     if dimension == 2 {
-        j[(2, 2)] = 1.0;
+        tangents[2] = Vector3::z();
     }
+    let j = Matrix3::from_columns(&tangents).transpose();
     let jacobian = j.determinant();
     let inverse = j.try_inverse().unwrap_or_default();
+    let in_space = |gradient: &[f64; 3]| (inverse * Vector3::from(*gradient)).into();
     IntegrationPoint {
-        gradient: local
+        gradient: shapes
             .iter()
-            .map(|gradient| (inverse * gradient).into())
+            .map(|(_, gradient)| in_space(gradient))
             .collect(),
         jacobian,
         volume: jacobian * weight,
     }
 }
 
-/// Stiffness matrix of an isotropic element, N/m (plane strain: N/m per metre of depth), `dimension` displacements per
-/// node; `x` as in [`integration_points`].
-pub(super) fn stiffness(x: &[[f64; 3]], lambda: f64, mu: f64) -> DMatrix<f64> {
+/// Stiffness matrix of an element of `material` (Young's modulus, Pa, and Poisson ratio), N/m (plane strain: N/m per metre of
+/// depth), `dimension` displacements per node; `x` as in [`integration_points`].
+pub(super) fn stiffness(x: &[[f64; 3]], material: [f64; 2]) -> DMatrix<f64> {
     let (dimension, _) = kind(x.len());
+    let (lambda, mu) = lame(material);
     let size = dimension * x.len();
     let mut k = vec![0.0; size * size];
     for point in integration_points(x) {
@@ -190,17 +204,13 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
             if let Some(d) = along.get(1) {
                 xi[*d] = b;
             }
-            let values: Vec<(f64, [f64; 3])> =
-                nodes.iter().map(|c| shape(dimension, c, &xi)).collect();
-            let tangent = |d: usize| -> Vector3<f64> {
-                let points = values.iter().zip(x);
-                points.map(|((_, g), p)| g[d] * Vector3::from(*p)).sum()
-            };
+            let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, &xi)).collect();
+            let (_, tangents) = place_and_tangents(&shapes, x);
             // A plane element is one unit deep.
-            let second = along.get(1).map_or(Vector3::z(), |d| tangent(*d));
-            let area = tangent(along[0]).cross(&second).norm();
-            for (i, (ni, _)) in values.iter().enumerate() {
-                for (j, (nj, _)) in values.iter().enumerate() {
+            let second = along.get(1).map_or(Vector3::z(), |d| tangents[*d]);
+            let area = tangents[along[0]].cross(&second).norm();
+            for (i, (ni, _)) in shapes.iter().enumerate() {
+                for (j, (nj, _)) in shapes.iter().enumerate() {
                     let value = stiffness * wa * wb * area * ni * nj;
                     for d in 0..dimension {
                         k[(dimension * i + d, dimension * j + d)] += value;
@@ -259,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_distorted_element_stores_the_energy_of_an_even_strain_and_none_of_a_rotation() {
-        let (lambda, mu) = lame(1.0, 0.3);
+        let (lambda, mu) = lame([1.0, 0.3]);
         let x = HEX20.map(|c| {
             [
                 c[0] + 0.1 * c[1] + 0.05 * c[0] * c[1],
@@ -267,7 +277,7 @@ mod tests {
                 c[2] + 0.06 * c[0] * c[1],
             ]
         });
-        let k = stiffness(&x, lambda, mu);
+        let k = stiffness(&x, [1.0, 0.3]);
         let volume: f64 = integration_points(&x).iter().map(|p| p.volume).sum();
         let stretch = [[0.3, 0.1, -0.2], [0.05, -0.4, 0.15], [0.25, 0.0, 0.2]];
         let rotation = [[0.0, 0.3, -0.1], [-0.3, 0.0, 0.2], [0.1, -0.2, 0.0]];

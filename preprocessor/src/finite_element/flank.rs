@@ -1,8 +1,7 @@
 //! The grid of nodes on the loaded flank, and segments as weights on it: line loads spread by a kernel.
 
 use super::element::{GAUSS3, QUAD8, shape};
-use super::outline::Outline;
-use super::section::Section;
+use super::section::{Outline, Section};
 use gearmesh::compliance::Segment;
 use gearmesh::root::bisection;
 use std::collections::BTreeMap;
@@ -141,16 +140,11 @@ pub(super) fn face_nodes(
     let nodes = QUAD8.iter().filter(move |c| !plane || c[1] == -1.0);
     nodes.map(move |c| {
         let (i, k) = (2 * element + half(c[0]), 2 * layer + half(c[1]));
-        let base = (k / 2) * (3 * elements + 2);
-        let corners = base + 2 * elements + 1 + i / 2;
-        (
-            if k.is_multiple_of(2) {
-                base + i
-            } else {
-                corners
-            },
-            c,
-        )
+        let within = match k.is_multiple_of(2) {
+            true => i,
+            false => 2 * elements + 1 + i / 2,
+        };
+        ((k / 2) * (3 * elements + 2) + within, c)
     })
 }
 

@@ -14,7 +14,8 @@ pub(super) const LARGEST: f64 = (1_u32 << 30) as f64;
 /// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Influence {
-    unit: f64,
+    /// Of the entries, m/N.
+    pub unit: f64,
     nodes: usize,
     entries: Vec<i32>,
 }
@@ -37,10 +38,6 @@ impl Influence {
 
     pub fn teeth(&self) -> usize {
         self.entries.len() / (self.nodes * self.nodes).max(1)
-    }
-
-    pub fn unit(&self) -> f64 {
-        self.unit
     }
 
     /// Displacements of the nodes of tooth `k` by a load on `node` of tooth 0, in units.
@@ -150,7 +147,7 @@ mod tests {
         for (k, matrix) in matrices.iter().enumerate() {
             for j in 0..60 {
                 for (i, value) in influence.column(k, j).iter().enumerate() {
-                    let error = f64::from(*value) * influence.unit() - matrix[(i, j)];
+                    let error = f64::from(*value) * influence.unit - matrix[(i, j)];
                     assert!(error.abs() < 2e-9 * 1e-9, "{error}");
                 }
             }

@@ -21,39 +21,95 @@ mod cache;
 mod condensation;
 mod dense;
 mod element;
-mod error;
-mod fillet;
 mod flank;
-mod grading;
-mod harmonics;
 mod influence;
-mod layers;
 mod mesh;
 mod model;
-mod outline;
-mod pair;
 mod ring;
 mod root_stress;
 mod section;
 mod settings;
 
 pub use cache::{CachedModel, ModelCache, Origin};
-pub use error::FiniteElementError;
-pub use model::{Stage, centre_line_compliance, sector_unknowns};
-pub use pair::{PairCompliance, pair_root_stress};
+pub use model::{centre_line_compliance, sector_unknowns};
 pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};
 
 use flank::{FlankGrid, Weights};
 use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
-use gearmesh::gear::Gear;
+use gearmesh::gear::{Flank, Gear, PairGeometry, ProfileError};
 use influence::Influence;
 use model::Model;
 use nalgebra::DMatrix;
+use std::sync::Arc;
+
+/// What a computation is busy with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Mesh and stiffness matrix of one sector.
+    Assembly,
+    /// Sparse Cholesky factor and elimination of the inside of the sector.
+    Condensation,
+    /// Harmonics of the whole ring.
+    Ring,
+}
 
 /// Progress of a computation: called with the stage and the share of it that is done; returns false to
 /// stop with [`FiniteElementError::Cancelled`].
 pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
+
+/// Progress of both gears: the number of the gear (0 or 1) in front of what [`Progress`] is called with.
+type PairProgress<'a> = dyn Fn(usize, Stage, f64) -> bool + Sync + 'a;
+
+/// Why a finite-element compliance could not be computed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FiniteElementError {
+    /// The gear has no usable tooth.
+    #[error("the tooth cannot be generated: {0}")]
+    Profile(#[from] ProfileError),
+    /// Too little material below the root circle, or rim, web and hub that do not join: what, and what would be right.
+    #[error("{0}")]
+    Body(String),
+    /// Plane strain of a gear whose body is not the same along the face.
+    #[error(
+        "plane strain knows no web: leave out `--plane-strain`, or take rim_thickness_mm and web_thickness_mm \
+         out of the pair file"
+    )]
+    PlaneBody,
+    /// An element is folded: smallest ratio of the Jacobian inside an element to its largest value.
+    #[error(
+        "the mesh of this tooth has a folded element (quality {0:.3}); choose another refinement, or \
+         a larger tip thickness, tool tip radius or rim"
+    )]
+    FoldedElement(f64),
+    /// The stiffness matrix could not be factored.
+    #[error(
+        "the stiffness matrix is not positive definite; check youngs_modulus_gpa (> 0) and poisson_ratio \
+         (above -1, below 0.5)"
+    )]
+    NotPositiveDefinite,
+    /// A load line that crosses the tooth's centre line outside of the gear, at this radius, mm.
+    #[error(
+        "the load line crosses the centre line of the tooth at the radius {0:.3} mm, where there is no \
+         material; choose a load nearer to the tip"
+    )]
+    NoCrossing(f64),
+    /// The model takes more memory than the system has left.
+    #[error(
+        "the finite-element model takes {needed_gb:.1} GB of memory, and {available_gb:.1} GB are available; choose a coarser \
+         refinement"
+    )]
+    Memory {
+        /// What it takes, GB.
+        needed_gb: f64,
+        /// What there is, GB.
+        available_gb: f64,
+    },
+    /// The caller asked to stop.
+    #[error("the computation was cancelled")]
+    Cancelled,
+}
 
 /// Finite-element model of one gear, reduced to its loaded flank.
 #[derive(Debug, Clone)]
@@ -153,7 +209,7 @@ impl ToothCompliance for FiniteElementCompliance {
                 }
                 displacement.fill(0.0);
                 for (node, weight) in load {
-                    let weight = weight * self.influence.unit();
+                    let weight = weight * self.influence.unit;
                     let column = self.influence.column(offset, *node);
                     for (u, c) in displacement.iter_mut().zip(column) {
                         *u += weight * f64::from(*c);
@@ -190,6 +246,105 @@ impl ToothCompliance for FiniteElementCompliance {
     fn lengthwise_resolution(&self) -> f64 {
         self.grid.thickest_layer()
     }
+}
+
+/// Models of gear 1 and gear 2; the same one twice when the gears are equal but for hand and axial
+/// position.
+#[derive(Debug, Clone)]
+pub struct PairCompliance {
+    /// One model per gear.
+    pub gears: [Arc<FiniteElementCompliance>; 2],
+    /// Where each came from.
+    pub origins: [Origin; 2],
+}
+
+impl PairCompliance {
+    /// Whether `cache` holds both models, sound or not.
+    ///
+    /// # Errors
+    /// Those of gears that cannot be meshed.
+    pub fn is_kept(
+        pair: &PairGeometry,
+        settings: &Settings,
+        cache: &ModelCache,
+    ) -> Result<bool, FiniteElementError> {
+        for gear in &pair.gears {
+            for gear in gear.turned().iter().chain([gear]) {
+                if !cache.holds(&Model::new(gear, settings)?) {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Computes both models, or reads them from the cache if there is one.
+    ///
+    /// # Errors
+    /// Those of [`FiniteElementCompliance::new`].
+    pub fn new(
+        pair: &PairGeometry,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+        progress: &PairProgress<'_>,
+    ) -> Result<PairCompliance, FiniteElementError> {
+        let models = both(&pair.gears, progress, |gear, progress| {
+            FiniteElementCompliance::cached(gear, settings, cache, progress)
+        })?;
+        let [(first, first_origin), (second, second_origin)] = models;
+        Ok(PairCompliance {
+            gears: [first, second],
+            origins: [first_origin, second_origin],
+        })
+    }
+}
+
+/// The maps of gear 1 and gear 2 of `pair` loaded on `flank` (of gear 1), the same one twice for equal gears; `settings` are
+/// those of its compliance.
+///
+/// # Errors
+/// Those of [`RootStress::new`].
+pub fn pair_root_stress(
+    pair: &PairGeometry,
+    flank: Flank,
+    settings: &Settings,
+    cache: Option<&ModelCache>,
+    progress: &PairProgress<'_>,
+) -> Result<[(Arc<RootStress>, Origin); 2], FiniteElementError> {
+    let settings = settings.for_root_stress();
+    // As segments see them: turned end for end where they are mirrored.
+    let gears = [0, 1].map(|i| {
+        let turned = pair.gears[i].turned();
+        let turned = turned.filter(|_| pair.is_mirrored(flank, i));
+        turned.unwrap_or_else(|| pair.gears[i].clone())
+    });
+    both(&gears, progress, |gear, progress| {
+        RootStress::cached(gear, &settings, cache, progress)
+    })
+}
+
+/// What `model` gives of the first and the second gear; of gears that are alike the same. Models are in canonical coordinates: hand
+/// and axial position do not matter.
+fn both<T>(
+    gears: &[Gear; 2],
+    progress: &PairProgress<'_>,
+    model: impl Fn(&Gear, &Progress<'_>) -> Result<(T, Origin), FiniteElementError>,
+) -> Result<[(Arc<T>, Origin); 2], FiniteElementError> {
+    let one = |i: usize| {
+        let found = model(&gears[i], &|stage, share| progress(i, stage, share));
+        found.map(|(model, origin)| (Arc::new(model), origin))
+    };
+    let [first, second] = gears.each_ref().map(|gear| Gear {
+        hand: 1.0,
+        face_offset: 0.0,
+        ..gear.clone()
+    });
+    let of_first = one(0)?;
+    let of_second = match first == second {
+        true => of_first.clone(),
+        false => one(1)?,
+    };
+    Ok([of_first, of_second])
 }
 
 #[cfg(test)]

@@ -1,29 +1,16 @@
 //! From a gear to the influence matrices of its flank nodes.
 
 use super::condensation::condense;
-use super::element::{QUAD8, shape};
+use super::element::{QUAD8, place_and_tangents, shape};
 use super::flank::FlankGrid;
-use super::layers::Layers;
-use super::mesh::{LoadColumn, Mesh};
-use super::outline::Outline;
-use super::section::Section;
-use super::{FiniteElementError, Progress, Settings, harmonics, ring};
+use super::mesh::{Layers, LoadColumn, Mesh, twist};
+use super::section::{Outline, Section};
+use super::{FiniteElementError, Progress, Settings, Stage, ring};
 use gearmesh::compliance::Segment;
 use gearmesh::gear::{Gear, LEAST_WALL, ToothProfile};
 use gearmesh::words::rounded;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix2, Vector2};
 use std::ops::RangeInclusive;
-
-/// What a computation is busy with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// Mesh and stiffness matrix of one sector.
-    Assembly,
-    /// Sparse Cholesky factor and elimination of the inside of the sector.
-    Condensation,
-    /// Harmonics of the whole ring.
-    Ring,
-}
 
 pub(super) struct Model {
     pub gear: Gear,
@@ -86,15 +73,27 @@ impl Model {
         })
     }
 
-    /// How much the section turns along z, rad/m; right-handed.
-    pub fn twist(&self) -> f64 {
-        self.gear.base_helix_angle().tan() / self.gear.base_radius()
+    pub fn mesh(&self) -> Mesh {
+        let layers = self.layers.as_ref();
+        Mesh::new(&self.gear, &self.outline, &self.section, layers)
     }
 
     /// Everything that the mesh, its stiffness and what is asked of it depend on, in words.
     pub fn identity(&self) -> String {
-        let gear = (self.gear.teeth, self.material(), self.gear.foundation);
-        let mesh = (self.twist(), &self.outline, &self.section, &self.layers);
+        let Gear {
+            teeth,
+            youngs_modulus,
+            poisson_ratio,
+            foundation,
+            ..
+        } = self.gear;
+        let gear = (teeth, [youngs_modulus, poisson_ratio], foundation);
+        let mesh = (
+            twist(&self.gear),
+            &self.outline,
+            &self.section,
+            &self.layers,
+        );
         format!("{:?}", (self.reach, gear, mesh))
     }
 
@@ -110,19 +109,14 @@ impl Model {
         )
     }
 
-    /// Young's modulus, Pa, and Poisson ratio.
-    pub fn material(&self) -> [f64; 2] {
-        [self.gear.youngs_modulus, self.gear.poisson_ratio]
-    }
-
     /// Influence of the flank nodes, see [`super::FiniteElementCompliance`].
     pub fn influence(
         &self,
         progress: &Progress<'_>,
     ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
-        let mesh = Mesh::new(self);
-        let loads = mesh.loads();
-        self.response(&mesh, &loads, loads.len(), 0..=self.reach as i32, progress)
+        let mesh = self.mesh();
+        let sectors = 0..=self.reach as i32;
+        self.response(&mesh, &mesh.loads, mesh.loads.len(), sectors, progress)
     }
 
     /// Displacements of the `mesh` of this model along the functionals, which are `columns` behind the first `loads` (all where there are no
@@ -142,11 +136,11 @@ impl Model {
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
         }
-        let sector = condense(mesh, self.material(), columns, loads, &|share| {
+        let sector = condense(mesh, columns, loads, &|share| {
             progress(Stage::Condensation, share)
         })?;
         let teeth = self.gear.teeth;
-        let solved = harmonics::solved(teeth as usize, *sectors.end() as usize);
+        let solved = ring::solved(teeth as usize, *sectors.end() as usize);
         ring::response(&sector, teeth, sectors, &solved, &|share| {
             progress(Stage::Ring, share)
         })
@@ -158,7 +152,7 @@ impl Model {
 /// # Errors
 /// As [`super::FiniteElementCompliance::new`]: no usable tooth, too thin a rim.
 pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
-    let mesh = Mesh::new(&Model::new(gear, settings)?);
+    let mesh = Model::new(gear, settings)?.mesh();
     let free = mesh.held.iter().filter(|held| !**held).count();
     Ok(mesh.dimension * free)
 }
@@ -186,11 +180,10 @@ pub fn centre_line_compliance(
         z: [0.0, 1.0],
         roll: [roll; 2],
     };
-    let mesh = Mesh::new(&model);
-    let of_nodes = mesh.loads();
+    let mesh = model.mesh();
     let weights = model.grid.weights(&segment);
     let load = (weights.iter())
-        .flat_map(|(node, w)| of_nodes[*node].iter().map(move |(at, n)| (*at, w * n)))
+        .flat_map(|(node, w)| mesh.loads[*node].iter().map(move |(at, n)| (*at, w * n)))
         .collect();
     // Direction of the normal, from the x axis; the load line touches the base circle.
     let pressure_angle = (roll / gear.base_radius()).atan();
@@ -215,32 +208,20 @@ pub fn centre_line_compliance(
 
 /// Shape functions at the point (x, 0) of a plane mesh, by node; None outside of it.
 fn shape_functions_at(mesh: &Mesh, x: f64) -> Option<Vec<(usize, f64)>> {
-    for nodes in mesh.connectivity() {
-        let at = mesh.coordinates(nodes);
-        let mut xi = [0.0; 3];
+    mesh.elements.iter().find_map(|nodes| {
+        let corners = mesh.coordinates(nodes);
+        let shapes = |xi: Vector2<f64>| QUAD8.map(|c| shape(2, &c, &[xi[0], xi[1], 0.0]));
+        let mut xi = Vector2::zeros();
         for _ in 0..20 {
-            let (mut p, mut j) = ([-x, 0.0], [[0.0; 2]; 2]);
-            for (c, at) in QUAD8.iter().zip(&at) {
-                let (n, g) = shape(2, c, &xi);
-                for d in 0..2 {
-                    p[d] += n * at[d];
-                    j[d][0] += g[0] * at[d];
-                    j[d][1] += g[1] * at[d];
-                }
-            }
-            let det = j[0][0] * j[1][1] - j[0][1] * j[1][0];
-            xi[0] -= (j[1][1] * p[0] - j[0][1] * p[1]) / det;
-            xi[1] -= (j[0][0] * p[1] - j[1][0] * p[0]) / det;
-            xi = xi.map(|v: f64| v.clamp(-2.0, 2.0));
+            let (place, tangents) = place_and_tangents(&shapes(xi), &corners);
+            let jacobian = Matrix2::from_columns(&[tangents[0].xy(), tangents[1].xy()]);
+            xi -= jacobian.try_inverse()? * (place.xy() - Vector2::new(x, 0.0));
+            xi = xi.map(|v| v.clamp(-2.0, 2.0));
         }
-        if xi[0].abs() <= 1.0 + 1e-9 && xi[1].abs() <= 1.0 + 1e-9 {
-            let weights = nodes.iter().zip(&QUAD8);
-            return Some(
-                weights
-                    .map(|(node, c)| (*node, shape(2, c, &xi).0))
-                    .collect(),
-            );
-        }
-    }
-    None
+        let weights = nodes
+            .iter()
+            .zip(shapes(xi))
+            .map(|(node, (n, _))| (*node, n));
+        (xi.amax() <= 1.0 + 1e-9).then(|| weights.collect())
+    })
 }

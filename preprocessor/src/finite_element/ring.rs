@@ -16,18 +16,22 @@
 //! C_k = delta_k0 C_held + (1/z) sum_n e^{i k phi} q_n^H K_n^-1 q_n .
 //! ```
 //!
-//! The loads enter by the few modes in which they act on the sides ([`SideModes`]), and harmonics that follow from others
-//! are not solved ([`super::harmonics`]).
+//! The loads enter by the few modes in which they act on the sides ([`side_modes`]).
+//!
+//! Not all harmonics are solved. The response M(phi) of one is the sum of e^{-i k phi} times the influence k teeth away,
+//! which decays with k: it is analytic in phi but for the lowest harmonics, in which the body moves as a whole. So the
+//! lowest are solved one by one and the others at some places only, close to Chebyshev's in u = ln tan(phi / 4), which
+//! is odd about phi = pi, where M mirrors into its conjugate; polynomials in u give those between. The places are the
+//! fewest that do so for every influence e^{-a |k|}, M = sinh a / (cosh a - cos phi), to [`TOLERANCE`].
 
 use super::FiniteElementError;
 use super::condensation::CondensedSector;
 use super::dense::{eliminate, product};
-use super::harmonics::Solved;
 use gearmesh::random::Random;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// What is left out of the side loads over their largest product with a vector of random numbers.
 pub(super) const LEFT_OUT: f64 = 1e-8;
@@ -45,16 +49,15 @@ pub(super) fn response(
     let g = &sector.side_loads;
     let loads = sector.held_influence.ncols();
     let functionals = g.ncols() - sector.held_influence.nrows()..g.ncols();
-    let largest = |columns: std::ops::Range<usize>| {
-        columns
-            .map(|j| g.column(j).norm())
-            .fold(f64::MIN_POSITIVE, f64::max)
+    let largest = |columns: Range<usize>| {
+        let norms = columns.map(|j| g.column(j).norm());
+        norms.fold(f64::MIN_POSITIVE, f64::max)
     };
     // Modes leave out what is small: functionals are of another unit than loads.
     let unit = largest(functionals.clone()) / largest(0..loads);
     let mut alike = g.clone();
     alike.columns_range_mut(loads..).scale_mut(unit.recip());
-    let SideModes { modes, shares } = SideModes::new(&alike);
+    let (modes, shares) = side_modes(&alike);
     let of_loads = shares.columns_range(..loads);
     let of_functionals = shares.columns_range(functionals).transpose();
     let ring = of_modes(sector, &modes, teeth, solved, progress)?;
@@ -151,45 +154,37 @@ fn of_harmonic(
     Ok(-rest)
 }
 
-/// How loads on the flank act on the sides of their sector: G = `modes` * `shares`.
+/// How the loads `g` on the flank act on the sides of their sector: G = Q B, the modes Q orthonormal, and B how much of each mode each
+/// load brings, modes by loads.
 ///
 /// The flank is some way off the sides, so that loads on neighbouring nodes act on them nearly alike (Saint-Venant):
-/// of two thousand flank nodes a third are told apart to nine digits. G = Q B with orthonormal columns of Q is found
-/// from products of G with random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011, algorithm 4.2), the same
-/// ones in every run.
-struct SideModes {
-    modes: DMatrix<f64>,
-    /// B: how much of each mode each load brings, modes by loads.
-    shares: DMatrix<f64>,
-}
-
-impl SideModes {
-    fn new(g: &DMatrix<f64>) -> SideModes {
-        let (rows, loads) = (g.nrows(), g.ncols());
-        let most = rows.min(loads);
-        let mut random = Random::new(0x9e37_79b9_7f4a_7c15);
-        let mut modes = DMatrix::<f64>::zeros(rows, 0);
-        let mut largest = 0.0;
-        while modes.ncols() < most {
-            let block = BLOCK.min(most - modes.ncols());
-            let trial = DMatrix::from_fn(loads, block, |_, _| random.within([-1.0, 1.0]));
-            let mut y = product(g.as_view(), trial.as_view());
-            largest = longest(&y).max(largest);
-            remove(&modes, &mut y);
-            if longest(&y) <= LEFT_OUT * largest {
-                break;
-            }
-            let mut new = y.qr().q();
-            // Once more: what rounding left of the modes before.
-            remove(&modes, &mut new);
-            let new = new.qr().q();
-            let old = modes.ncols();
-            modes = modes.resize_horizontally(old + block, 0.0);
-            modes.columns_range_mut(old..).copy_from(&new);
+/// of two thousand flank nodes a third are told apart to nine digits. Q is found from products of G with random vectors (Halko,
+/// Martinsson, Tropp, SIAM Review 53, 2011, algorithm 4.2), the same ones in every run.
+fn side_modes(g: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (rows, loads) = (g.nrows(), g.ncols());
+    let most = rows.min(loads);
+    let mut random = Random::new(0x9e37_79b9_7f4a_7c15);
+    let mut modes = DMatrix::<f64>::zeros(rows, 0);
+    let mut largest = 0.0;
+    while modes.ncols() < most {
+        let block = BLOCK.min(most - modes.ncols());
+        let trial = DMatrix::from_fn(loads, block, |_, _| random.within([-1.0, 1.0]));
+        let mut y = product(g.as_view(), trial.as_view());
+        largest = longest(&y).max(largest);
+        remove(&modes, &mut y);
+        if longest(&y) <= LEFT_OUT * largest {
+            break;
         }
-        let shares = product(modes.transpose().as_view(), g.as_view());
-        SideModes { modes, shares }
+        let mut new = y.qr().q();
+        // Once more: what rounding left of the modes before.
+        remove(&modes, &mut new);
+        let new = new.qr().q();
+        let old = modes.ncols();
+        modes = modes.resize_horizontally(old + block, 0.0);
+        modes.columns_range_mut(old..).copy_from(&new);
     }
+    let shares = product(modes.transpose().as_view(), g.as_view());
+    (modes, shares)
 }
 
 /// y := y - Q Q^T y.
@@ -202,55 +197,211 @@ fn longest(y: &DMatrix<f64>) -> f64 {
     y.column_iter().map(|c| c.norm()).fold(0.0, f64::max)
 }
 
+/// Largest error of a harmonic that is not solved over its value, for influences that decay exponentially.
+pub(super) const TOLERANCE: f64 = 1e-8;
+/// Decays a over which that is tried, per tooth: from a body that moves as a whole to teeth that do not feel each other.
+const DECAYS: [f64; 2] = [0.01, 4.0];
+const TRIALS: usize = 24;
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Solved {
+    pub harmonic: usize,
+    /// Weights of the even and of the odd part of its response in the influence k teeth away, k from 0:
+    /// C_k = sum over the solved ones of even M' - odd M'', M = M' + i M''.
+    pub weights: Vec<[f64; 2]>,
+}
+
+/// The harmonics to be solved for a ring of `teeth` and influences up to `reach` teeth away.
+pub(super) fn solved(teeth: usize, reach: usize) -> Vec<Solved> {
+    let mut best = Places::all(teeth);
+    for low in 3..=16 {
+        for points in (10..=80).step_by(2) {
+            let trial = Places::new(teeth, low, points);
+            if trial.solved.len() < best.solved.len() && trial.error() < TOLERANCE {
+                best = trial;
+            }
+        }
+    }
+    best.weighed(reach)
+}
+
+#[cfg(test)]
+pub(super) fn all(teeth: usize, reach: usize) -> Vec<Solved> {
+    Places::all(teeth).weighed(reach)
+}
+
+/// Harmonics that are solved, ascending: 0 to `low` - 1 and some of those above.
+#[derive(Debug, Clone)]
+struct Places {
+    teeth: usize,
+    low: usize,
+    solved: Vec<usize>,
+}
+
+impl Places {
+    /// Every harmonic.
+    fn all(teeth: usize) -> Places {
+        let low = teeth / 2 + 1;
+        Places {
+            teeth,
+            low,
+            solved: (0..low).collect(),
+        }
+    }
+
+    /// The harmonics with their weights in the influences up to `reach` teeth away.
+    fn weighed(&self, reach: usize) -> Vec<Solved> {
+        let top = self.teeth / 2;
+        let unweighed = |harmonic: &usize| Solved {
+            harmonic: *harmonic,
+            weights: vec![[0.0; 2]; reach + 1],
+        };
+        let mut found: Vec<Solved> = self.solved.iter().map(unweighed).collect();
+        for n in 0..=top {
+            // Harmonics n and z - n are conjugate.
+            let alone = n == 0 || 2 * n == self.teeth;
+            let weight = if alone { 1.0 } else { 2.0 } / self.teeth as f64;
+            for (at, [even, odd]) in self.shares(n) {
+                for (k, sum) in found[at].weights.iter_mut().enumerate() {
+                    let (sin, cos) = (k as f64 * 2.0 * PI * n as f64 / self.teeth as f64).sin_cos();
+                    sum[0] += weight * cos * even;
+                    sum[1] += weight * sin * odd;
+                }
+            }
+        }
+        found
+    }
+
+    /// The harmonics next to `points` of Chebyshev's between `low` and its mirror image.
+    fn new(teeth: usize, low: usize, points: usize) -> Places {
+        let low = low.min(teeth / 2 + 1);
+        let mut solved: Vec<usize> = (0..low).collect();
+        let end = place(low, teeth);
+        for i in 0..points {
+            let u = end * (PI * i as f64 / (points - 1) as f64).cos();
+            let n = (u.exp().atan() * 2.0 * teeth as f64 / PI).round() as usize;
+            if n >= low && 2 * n <= teeth {
+                solved.push(n);
+            }
+        }
+        solved.sort_unstable();
+        solved.dedup();
+        Places { teeth, low, solved }
+    }
+
+    /// What each solved harmonic (counted as in [`solved`]) has in the harmonic `n`: shares of even and odd part.
+    fn shares(&self, n: usize) -> Vec<(usize, [f64; 2])> {
+        if let Ok(at) = self.solved.binary_search(&n) {
+            return vec![(at, [1.0; 2])];
+        }
+        let between = &self.solved[self.low..];
+        let u = place(n, self.teeth);
+        let own = |n: &usize| place(*n, self.teeth);
+        let middle = |n: &usize| 2 * n == self.teeth;
+        // Lagrange's polynomial that is one at `at` and zero at all other places and mirror images.
+        let lagrange = |at: f64| -> f64 {
+            let mut value = 1.0;
+            for other in between {
+                let q = own(other);
+                for q in [q, -q].into_iter().take(if middle(other) { 1 } else { 2 }) {
+                    if (q - at).abs() > 1e-9 {
+                        value *= (u - q) / (at - q);
+                    }
+                }
+            }
+            value
+        };
+        let both = between.iter().enumerate().map(|(i, n)| {
+            let here = lagrange(own(n));
+            let image = if middle(n) { 0.0 } else { lagrange(-own(n)) };
+            (self.low + i, [here + image, here - image])
+        });
+        both.collect()
+    }
+
+    /// Largest error of a harmonic that is not solved over its value, even and odd part.
+    fn error(&self) -> f64 {
+        let top = self.teeth / 2;
+        // Many teeth: some of the harmonics tell of all.
+        let step = (top / 64).max(1);
+        let mut worst = 0.0f64;
+        for n in (self.low..=top).step_by(step) {
+            if self.solved.binary_search(&n).is_ok() {
+                continue;
+            }
+            let shares = self.shares(n);
+            for trial in 0..TRIALS {
+                let share = trial as f64 / (TRIALS - 1) as f64;
+                let a = DECAYS[0] * (DECAYS[1] / DECAYS[0]).powf(share);
+                let parts = |n: usize| {
+                    let phi = 2.0 * PI * n as f64 / self.teeth as f64;
+                    let below = a.cosh() - phi.cos();
+                    [a.sinh() / below, phi.sin() / below]
+                };
+                let mut error = parts(n).map(|part| -part);
+                for (at, share) in &shares {
+                    let solved = parts(self.solved[*at]);
+                    for part in 0..2 {
+                        error[part] += share[part] * solved[part];
+                    }
+                }
+                let scale = parts(n)[0];
+                worst = worst
+                    .max(error[0].abs() / scale)
+                    .max(error[1].abs() / scale);
+            }
+            if worst.is_nan() || worst > TOLERANCE {
+                return f64::INFINITY;
+            }
+        }
+        worst
+    }
+}
+
+/// u of the harmonic `n`.
+fn place(n: usize, teeth: usize) -> f64 {
+    (0.5 * PI * n as f64 / teeth as f64).tan().ln()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::finite_element::Settings;
     use crate::finite_element::condensation::condense;
-    use crate::finite_element::harmonics;
-    use crate::finite_element::mesh::{LoadColumn, Mesh};
+    use crate::finite_element::mesh::LoadColumn;
     use crate::finite_element::model::Model;
     use crate::samples;
-    use gearmesh::gear::{Body, Gear, GearKind};
+    use gearmesh::gear::{Body, GearKind};
     use gearmesh::pair::Refinement;
 
     #[test]
     fn harmonics_left_out_change_influences_by_less_than_a_hundred_millionth() {
         // A disc, a thin rim on a thin web and a thin ring on a soft foundation.
-        let face_width = 8e-3;
-        let disc = Gear {
-            face_width,
-            ..samples::gear(GearKind::External, 81, 1.0, 20.0, 0.0)
-        };
-        let root = disc.root_radius();
-        let webbed = Gear {
-            body: Some(Body {
-                rim_radius: root - 4e-3,
-                web: [3e-3, 4e-3],
-                hub_radius: disc.held_radius,
-                hub: [3e-3, 4e-3],
-                held_ends: [false; 2],
-            }),
-            ..disc.clone()
-        };
-        let mut ring = Gear {
-            face_width,
-            foundation: Some(1e9),
-            ..samples::gear(GearKind::Ring, 90, 1.0, 0.0, 0.0)
-        };
+        let mut disc = samples::gear(GearKind::External, 81, 1.0, 20.0, 0.0);
+        disc.face_width = 8e-3;
+        let mut webbed = disc.clone();
+        webbed.body = Some(Body {
+            rim_radius: disc.root_radius() - 4e-3,
+            web: [3e-3, 4e-3],
+            hub_radius: disc.held_radius,
+            hub: [3e-3, 4e-3],
+            held_ends: [false; 2],
+        });
+        let mut ring = samples::gear(GearKind::Ring, 90, 1.0, 0.0, 0.0);
+        ring.face_width = 8e-3;
+        ring.foundation = Some(1e9);
         ring.held_radius = ring.root_radius() + 4e-3;
         for gear in [disc, webbed, ring] {
             let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 0)).unwrap();
             // A few of the nodes tell of all.
-            let mesh = Mesh::new(&model);
-            let columns: Vec<LoadColumn> = mesh.loads().into_iter().step_by(7).collect();
-            let material = model.material();
-            let sector = condense(&mesh, material, &columns, columns.len(), &|_| true).unwrap();
+            let mesh = model.mesh();
+            let columns: Vec<LoadColumn> = mesh.loads.iter().step_by(7).cloned().collect();
+            let sector = condense(&mesh, &columns, columns.len(), &|_| true).unwrap();
             let of = |solved: &[Solved]| {
                 response(&sector, gear.teeth, 0..=3, solved, &|_| true).unwrap()
             };
             let teeth = gear.teeth as usize;
-            let (few, every) = (harmonics::solved(teeth, 3), harmonics::all(teeth, 3));
+            let (few, every) = (solved(teeth, 3), all(teeth, 3));
             assert!(few.len() < every.len() * 2 / 3);
             for (few, all) in of(&few).iter().zip(&of(&every)) {
                 let largest = all.amax();
@@ -267,14 +418,32 @@ mod tests {
             let apart = i as f64 / 300.0 - j as f64 / 200.0;
             1.0 / (1.0 + 4.0 * apart * apart)
         });
-        let SideModes { modes, shares } = SideModes::new(&g);
+        let (modes, shares) = side_modes(&g);
         let few = modes.ncols();
         assert!(few < 100, "{few}");
         assert!((&modes * shares - g).amax() < 1e-7);
         assert!((modes.transpose() * modes - DMatrix::identity(few, few)).amax() < 1e-12);
         // Loads that are all different keep all their modes.
         let g = DMatrix::from_fn(40, 30, |i, j| f64::from(u8::from(i == j)));
-        let SideModes { modes, shares } = SideModes::new(&g);
+        let (modes, shares) = side_modes(&g);
         assert!((modes * shares - g).amax() < 1e-12);
+    }
+
+    #[test]
+    fn many_teeth_need_few_harmonics_and_few_teeth_all() {
+        for (teeth, most) in [
+            (4, 3),
+            (17, 9),
+            (23, 12),
+            (40, 17),
+            (81, 22),
+            (300, 32),
+            (5000, 50),
+        ] {
+            let found = solved(teeth, 2);
+            assert!(found.len() <= most, "{teeth}: {}", found.len());
+            assert!(found.iter().all(|s| 2 * s.harmonic <= teeth));
+        }
+        assert_eq!(solved(17, 2).len(), 9);
     }
 }

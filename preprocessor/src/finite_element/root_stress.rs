@@ -2,19 +2,25 @@
 //!
 //! A model of its own beside [`super::FiniteElementCompliance`]: the same elements, condensation and ring, refined along
 //! the fillet and coarser on the flank, whose loads the root feels by their resultants. The stress at the points of the
-//! fillet ([`super::fillet`]) are functionals of the displacement; carried along as columns beside the loads they give
-//! the map without a backward solution (reciprocity).
+//! fillet are functionals of the displacement; carried along as columns beside the loads they give the map without a
+//! backward solution (reciprocity).
+//!
+//! Nothing acts on the fillet, so that the stress there lies in its tangent plane and follows from the strain in
+//! that plane alone (plane stress). Strains are taken at the two Gauss points of every element along the profile, where the
+//! derivatives of quadratic displacements converge fastest (Zienkiewicz, Taylor, The Finite Element Method,
+//! vol. 1, section 14.2), in the middle of every layer, and at both faces by the straight line through the
+//! Gauss points of the outermost layers.
 
 use super::cache::{Stored, get};
-use super::fillet;
-use super::flank::{FlankGrid, Weights};
-use super::mesh::{LoadColumn, Mesh};
+use super::element::{place_and_tangents, shape};
+use super::flank::{FlankGrid, Weights, face_nodes};
+use super::mesh::{LoadColumn, Mesh, twist};
 use super::model::Model;
-use super::settings::Settings;
-use super::{FiniteElementError, ModelCache, Origin, Progress};
+use super::{FiniteElementError, ModelCache, Origin, Progress, Settings};
 use gearmesh::compliance::{BeyondModel, Segment};
-use gearmesh::contact::{CondensedRoots, Fillet, ROLLS, RootField};
-use gearmesh::gear::Gear;
+use gearmesh::contact::{COMPONENTS, CondensedRoots, Fillet, ROLLS, RootField};
+use gearmesh::gear::{Gear, GearKind};
+use nalgebra::Vector3;
 
 /// Stress in the tooth roots of one gear per load on its flanks.
 #[derive(Debug, Clone)]
@@ -47,13 +53,11 @@ impl Stored for Map {
         let (columns, bytes) = bytes.split_first_chunk()?;
         let columns = usize::try_from(u64::from_le_bytes(*columns)).ok()?;
         let (units, entries) = bytes.split_at_checked(columns.checked_mul(size_of::<f32>())?)?;
-        let units = units.chunks_exact(4);
-        let entries = entries.chunks_exact(2);
+        let unit = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+        let entry = |b: &[u8]| i16::from_le_bytes([b[0], b[1]]);
         Some(Map {
-            units: units
-                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-                .collect(),
-            entries: entries.map(|b| i16::from_le_bytes([b[0], b[1]])).collect(),
+            units: units.chunks_exact(4).map(unit).collect(),
+            entries: entries.chunks_exact(2).map(entry).collect(),
         })
     }
 }
@@ -104,8 +108,8 @@ impl RootStress {
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
-        let mesh = Mesh::new(&model);
-        let (fillet, stress) = fillet::points(&model, &mesh);
+        let mesh = model.mesh();
+        let (fillet, stress) = points(&model, &mesh);
         let (map, origin) = get(cache, &model, "root stress, ", || {
             Map::new(&model, &mesh, &stress, progress)
         })?;
@@ -156,14 +160,10 @@ impl RootStress {
         loads: &[f64],
     ) -> Result<RootField<'_>, BeyondModel> {
         assert_eq!(segments.0.len(), loads.len(), "a load for each segment");
-        let mut forces = vec![vec![0.0; self.loads.len()]; 2 * self.reach + 1];
+        let mut forces = vec![0.0; self.loads.len() * (2 * self.reach + 1)];
         let mut beside = Vec::new();
-        let loaded = segments
-            .0
-            .iter()
-            .zip(loads)
-            .filter(|(_, force)| **force != 0.0);
-        for ((segment, weights), force) in loaded {
+        let all = segments.0.iter().zip(loads);
+        for ((segment, weights), force) in all.filter(|(_, force)| **force != 0.0) {
             let away = tooth - segment.tooth;
             let (distance, reach) = (away.unsigned_abs() as usize, self.reach);
             if distance > reach {
@@ -172,12 +172,12 @@ impl RootStress {
             if away == 0 && *force > 0.0 {
                 beside.push(segment);
             }
-            let forces = &mut forces[(away + reach as i32) as usize];
+            let first = (away + reach as i32) as usize * self.loads.len();
             for (node, weight) in weights {
-                forces[*node] += weight * force;
+                forces[first + node] += weight * force;
             }
         }
-        let forces = forces.iter().flatten().copied().enumerate();
+        let forces = forces.into_iter().enumerate();
         let stress = self.stress(forces.filter(|(_, force)| *force != 0.0));
         Ok(self.fillet.field(&stress, beside.into_iter()))
     }
@@ -236,27 +236,156 @@ impl Map {
         stress: &[LoadColumn],
         progress: &Progress<'_>,
     ) -> Result<Map, FiniteElementError> {
-        let mut columns = mesh.loads();
+        let mut columns = mesh.loads.clone();
         let loads = columns.len();
         columns.extend_from_slice(stress);
         let reach = model.reach as i32;
         let response = model.response(mesh, &columns, loads, -reach..=reach, progress)?;
-        let mut map = Map {
-            entries: Vec::new(),
-            units: Vec::new(),
-        };
+        let (mut entries, mut units) = (Vec::new(), Vec::new());
         for column in response.iter().flat_map(|tooth| tooth.column_iter()) {
-            let largest = column.amax();
-            let unit = if largest > 0.0 {
-                largest / LARGEST
-            } else {
-                1.0
+            let unit = match column.amax() {
+                0.0 => 1.0,
+                largest => largest / LARGEST,
             };
             // The columns push outwards, flanks are pressed inwards.
-            (map.entries).extend(column.iter().map(|s| (-s / unit).round() as i16));
-            map.units.push(unit as f32);
+            entries.extend(column.iter().map(|s| (-s / unit).round() as i16));
+            units.push(unit as f32);
         }
-        Ok(map)
+        Ok(Map { entries, units })
+    }
+}
+
+/// 1/sqrt(3), abscissa of the two-point Gauss rule.
+const GAUSS2: f64 = 0.577_350_269_189_625_8;
+
+/// Over the normal module: distance from a load within which the stress is that of its spreading, without limit at a tip corner.
+const LOCAL_OVER_MODULE: f64 = 0.45;
+
+struct Place {
+    layer: usize,
+    /// m.
+    z: f64,
+    /// Points zeta of the layer, and their shares in the stress here.
+    shares: Vec<(f64, f64)>,
+}
+
+impl Place {
+    /// Both faces and the middles of the layers between `stations`; the station itself in plane strain.
+    fn along(stations: &[f64]) -> Vec<Place> {
+        let place = |layer, z, shares| Place { layer, z, shares };
+        let layers = stations.len() - 1;
+        if layers == 0 {
+            return vec![place(0, stations[0], vec![(-1.0, 1.0)])];
+        }
+        // On the straight line through both Gauss points, at zeta = -1 or 1.
+        let near = 0.5 * (1.0 + 1.0 / GAUSS2);
+        let far = 1.0 - near;
+        let mut places = vec![place(0, stations[0], vec![(-GAUSS2, near), (GAUSS2, far)])];
+        for (layer, ends) in stations.windows(2).enumerate() {
+            places.push(place(layer, 0.5 * (ends[0] + ends[1]), vec![(0.0, 1.0)]));
+        }
+        let last = vec![(-GAUSS2, far), (GAUSS2, near)];
+        places.push(place(layers - 1, stations[layers], last));
+        places
+    }
+}
+
+/// A point of the face of an element.
+struct FacePoint {
+    place: Vector3<f64>,
+    normal: Vector3<f64>,
+    /// Stress by the displacements.
+    stress: [LoadColumn; COMPONENTS],
+}
+
+/// Points on the fillet of `model` with its `mesh`, and the stress at each: all of a place along the face one after the other, the [`COMPONENTS`]
+/// of a point together.
+fn points(model: &Model, mesh: &Mesh) -> (Fillet, Vec<LoadColumn>) {
+    let fillet = &model.section.fillet;
+    let mut grid = Fillet {
+        form_roll: model.grid.form_roll,
+        arc_per_roll_squared: model.grid.arc_per_roll_squared,
+        local: LOCAL_OVER_MODULE * model.gear.normal_module,
+        standard_tangent: match model.gear.kind {
+            GearKind::External => 30f64.to_radians(),
+            GearKind::Ring => 60f64.to_radians(),
+        },
+        ..Fillet::default()
+    };
+    let mut columns = Vec::new();
+    for (number, place) in Place::along(&model.grid.stations).iter().enumerate() {
+        grid.z.push(place.z);
+        for element in 0..fillet.len() / 2 {
+            for xi in [-GAUSS2, GAUSS2] {
+                let mut stress: [LoadColumn; COMPONENTS] = Default::default();
+                for (at, (zeta, share)) in place.shares.iter().enumerate() {
+                    let point = FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
+                    if number == 0 && at == 0 {
+                        grid.radii.push(point.place.x.hypot(point.place.y));
+                        // The normal's part along the tooth's centre line, which turns along z.
+                        let (sin, cos) = (twist(&model.gear) * point.place.z).sin_cos();
+                        let across = (point.normal.x * cos + point.normal.y * sin).abs();
+                        grid.tangents.push(across.min(1.0).asin());
+                        let [low, mid, high] = [0, 1, 2].map(|i| fillet[2 * element + i].1);
+                        let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
+                        grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
+                    }
+                    for (column, part) in stress.iter_mut().zip(point.stress) {
+                        column.extend(part.iter().map(|(unknown, f)| (*unknown, share * f)));
+                    }
+                }
+                columns.extend(stress);
+            }
+        }
+    }
+    (grid, columns)
+}
+
+impl FacePoint {
+    fn new(
+        model: &Model,
+        mesh: &Mesh,
+        [element, layer]: [usize; 2],
+        [xi, zeta]: [f64; 2],
+    ) -> FacePoint {
+        let plane = mesh.dimension == 2;
+        let nodes = face_nodes(model.section.fillet.len() / 2, element, layer, plane);
+        let (nodes, shapes): (Vec<usize>, Vec<_>) = nodes
+            .map(|(node, c)| (mesh.fillet[node], shape(2, c, &[xi, zeta, 0.0])))
+            .unzip();
+        let (place, [profile, helix, _]) = place_and_tangents(&shapes, &mesh.coordinates(&nodes));
+        let helix = if plane { Vector3::z() } else { helix };
+        // Orthonormal in the tangent plane: b along the helix, s across it.
+        let helix_length = helix.norm();
+        let b = helix / helix_length;
+        let lean = profile.dot(&b);
+        let s = profile - lean * b;
+        let length = s.norm();
+        let s = s / length;
+        let [youngs_modulus, nu] = mesh.material;
+        let stiff = youngs_modulus / (1.0 - nu * nu);
+        let shear = youngs_modulus / (2.0 * (1.0 + nu));
+        let mut stress: [LoadColumn; COMPONENTS] = Default::default();
+        for (node, (_, slope)) in nodes.into_iter().zip(shapes) {
+            // Derivatives along s and b; those along z vanish in plane strain.
+            let d_b = if plane { 0.0 } else { slope[1] / helix_length };
+            let d_s = (slope[0] - lean * d_b) / length;
+            let (sin, cos) = mesh.angles[node].sin_cos();
+            let axes = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
+            for (d, axis) in axes.iter().enumerate().take(mesh.dimension) {
+                let (u_s, u_b) = (axis.dot(&s), axis.dot(&b));
+                let (e_s, e_b) = (d_s * u_s, d_b * u_b);
+                let unknown = mesh.dimension * node + d;
+                stress[0].push((unknown, stiff * (e_s + nu * e_b)));
+                stress[1].push((unknown, stiff * (e_b + nu * e_s)));
+                stress[2].push((unknown, shear * (d_b * u_s + d_s * u_b)));
+            }
+        }
+        FacePoint {
+            place,
+            normal: s.cross(&b),
+            stress,
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Structured mesh of one tooth sector in the transverse section: 8-node quadrilaterals.
+//! One tooth in the transverse section: its outline by arc length, and the structured mesh of its sector of 8-node
+//! quadrilaterals.
 //!
 //! ```text
 //!        tip
@@ -15,10 +16,140 @@
 //! end at the inside of the rim and at the hub.
 
 use super::element::QUAD8;
-use super::grading::{divide, graded, graded_from_both, halved};
-use super::outline::{Outline, Polar};
-use super::settings::Discretization;
-use gearmesh::gear::Gear;
+use super::settings::{Discretization, divide, graded, graded_from_both, halved};
+use gearmesh::gear::{Gear, GearKind, ToothProfile};
+
+/// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
+pub(super) type Polar = [f64; 2];
+
+/// Chords that stand for the fillet and for the root circle beside it; 400 leave 1e-6 of its radius.
+const FILLET_STEPS: u32 = 400;
+const ROOT_STEPS: u32 = 20;
+
+/// The loaded half of a tooth: involute from the form point to the tip, fillet from the form point
+/// to the root circle, root circle to the middle of the space.
+///
+/// The arc length s is zero at the form point, positive on the involute, negative below. On the
+/// involute s = (roll² - roll_form²) / (2 rb).
+#[derive(Debug, Clone)]
+pub(super) struct Outline {
+    /// +1 external teeth, -1 ring.
+    pub kappa: f64,
+    pub base_radius: f64,
+    pub form_roll: f64,
+    pub tip_arc: f64,
+    base_half_angle: f64,
+    /// From the form point to the middle of the space, with the arc length (<= 0) of each point.
+    below: Vec<(f64, Polar)>,
+}
+
+impl Outline {
+    pub fn new(profile: &ToothProfile) -> Outline {
+        let gear = profile.gear();
+        let half_pitch = profile.half_pitch();
+        let base_half_angle = match gear.kind {
+            GearKind::External => gear.half_base_angle(),
+            GearKind::Ring => half_pitch - gear.half_base_angle(),
+        };
+        let mut outline = Outline {
+            kappa: gear.kappa(),
+            base_radius: gear.base_radius(),
+            form_roll: profile.form_roll(),
+            tip_arc: 0.0,
+            base_half_angle,
+            below: Vec::new(),
+        };
+        let (tip, form) = (gear.roll_length(gear.tip_radius), outline.form_roll);
+        outline.tip_arc = outline.kappa * (tip * tip - form * form) / (2.0 * outline.base_radius);
+        let fillet = (0..FILLET_STEPS).rev().map(|i| {
+            let point = profile.fillet(f64::from(i) / f64::from(FILLET_STEPS));
+            [point.radius(), point.angle()]
+        });
+        let (from, land) = (profile.root_angle(), half_pitch - profile.root_angle());
+        let root_land = (1..=ROOT_STEPS).map(|i| {
+            let share = f64::from(i) / f64::from(ROOT_STEPS);
+            [gear.root_radius(), from + land * share]
+        });
+        let mut arc = 0.0;
+        let mut last = outline.involute(0.0);
+        outline.below.push((0.0, last));
+        for point in fillet.chain(root_land) {
+            let step = distance(last, point);
+            if step > 1e-9 * gear.normal_module {
+                arc -= step;
+                last = point;
+                outline.below.push((arc, point));
+            }
+        }
+        // The boundary of the sector must lie exactly in the middle of the space.
+        if let Some(end) = outline.below.last_mut() {
+            end.1[1] = half_pitch;
+        }
+        outline
+    }
+
+    pub fn space_arc(&self) -> f64 {
+        self.below[self.below.len() - 1].0
+    }
+
+    fn involute(&self, arc: f64) -> Polar {
+        let roll_squared =
+            self.form_roll * self.form_roll + self.kappa * 2.0 * self.base_radius * arc;
+        let roll = roll_squared.max(0.0).sqrt();
+        let tangent = roll / self.base_radius;
+        [
+            roll.hypot(self.base_radius),
+            self.base_half_angle - self.kappa * (tangent - tangent.atan()),
+        ]
+    }
+
+    /// Point at the arc length `arc`, m, between the middle of the space and the tip.
+    pub fn point(&self, arc: f64) -> Polar {
+        if arc >= 0.0 {
+            return self.involute(arc);
+        }
+        let after = self.below.partition_point(|(s, _)| *s > arc);
+        let after = after.clamp(1, self.below.len() - 1);
+        let ((s0, p0), (s1, p1)) = (self.below[after - 1], self.below[after]);
+        let t = (arc - s0) / (s1 - s0);
+        [p0[0] + t * (p1[0] - p0[0]), p0[1] + t * (p1[1] - p0[1])]
+    }
+
+    /// Outward unit normal in the transverse section, (radial, circumferential), at `arc`.
+    pub fn normal(&self, arc: f64) -> [f64; 2] {
+        if arc >= 0.0 {
+            let [radius, _] = self.involute(arc);
+            let roll = ((radius - self.base_radius) * (radius + self.base_radius))
+                .max(0.0)
+                .sqrt();
+            return [self.kappa * roll / radius, self.base_radius / radius];
+        }
+        let step = (1e-3 * self.tip_arc).min(-arc);
+        let (low, high) = (self.point(arc - step), self.point(arc + step));
+        let mid = 0.5 * (low[0] + high[0]);
+        let (dr, dt) = (high[0] - low[0], mid * (high[1] - low[1]));
+        let length = dr.hypot(dt);
+        // Turned from the tangent towards the outside: +theta where the tangent runs to the tip.
+        [-self.kappa * dt / length, self.kappa * dr / length]
+    }
+
+    /// Arc length (negative) of the point of the fillet where its tangent has turned halfway from the
+    /// radial to the circumferential direction.
+    pub fn fillet_middle(&self) -> f64 {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        self.below
+            .windows(2)
+            .find(|w| {
+                let (p, q) = (w[0].1, w[1].1);
+                (q[0] - p[0]).abs() < half * distance(p, q)
+            })
+            .map_or(0.5 * self.space_arc(), |w| w[0].0)
+    }
+}
+
+fn distance(p: Polar, q: Polar) -> f64 {
+    (q[0] - p[0]).hypot(0.5 * (p[0] + q[0]) * (q[1] - p[1]))
+}
 
 /// Elements along the flank over the one at the tip edge, where the load kernel is narrower.
 const FLANK_OVER_TIP: f64 = 4.0;
@@ -47,77 +178,42 @@ pub(super) struct Section {
     pub held: Vec<usize>,
 }
 
-/// A place below the root: the shares of the way to the radius `target` and of the whole way to the held surface, about.
-#[derive(Debug, Clone, Copy)]
+/// A row of nodes below the root.
 struct Depth {
+    /// Share of the way from the root to the radius `target`, m.
     t: f64,
     target: f64,
+    /// Share of the whole way to the held surface, about.
     share: f64,
-    /// As in [`Section::widths`], above this place.
+    /// As in [`Section::widths`], above this row.
     width: Option<[f64; 2]>,
 }
 
-/// A block of (columns + 1) x (rows + 1) node numbers at half-element steps.
-type Grid = Vec<Vec<usize>>;
-
-/// Stations of the three kinds of block, at half-element steps.
-struct Stations<'a> {
-    outline: &'a Outline,
-    /// Middle of the fillet, where the blocks meet: arc length and place.
-    corner_arc: f64,
-    corner: Polar,
-    arcs: Vec<f64>,
-    /// From the unloaded flank (0) to the loaded one (1).
-    across: Vec<f64>,
-    rows: Vec<Depth>,
-    columns: Vec<f64>,
+impl Depth {
+    /// Radius of this row under the root at `radius`.
+    fn below(&self, radius: f64) -> f64 {
+        radius + self.t * (self.target - radius)
+    }
 }
 
-impl<'a> Stations<'a> {
-    fn new(gear: &Gear, outline: &'a Outline, sizes: &Discretization) -> Self {
-        let module = gear.normal_module;
-        let flank = sizes.flank_element * module;
-        let fillet = sizes.fillet_element.map(|size| size * module);
-        let along_involute = sizes.involute_element.map_or(flank, |size| size * module);
-        let corner_arc = outline.fillet_middle();
-        let corner = outline.point(corner_arc);
-        // The form point, at arc length 0, is a node.
-        let along_fillet = fillet.unwrap_or(flank);
-        let mut arcs = halved(&divide(corner_arc, 0.0, along_fillet));
-        let mut involute = divide(0.0, outline.tip_arc, along_involute);
-        // To a fifth of rounding in the number of steps.
-        let tip = 1.2 * flank / FLANK_OVER_TIP;
-        while involute[involute.len() - 1] - involute[involute.len() - 2] > tip {
-            let last = involute.len() - 1;
-            involute.insert(last, 0.5 * (involute[last - 1] + involute[last]));
-        }
-        arcs.extend(&halved(&involute)[1..]);
-        let width = 2.0 * corner[0] * corner[1];
-        let behind = along_fillet.min(flank);
-        let root = fillet.unwrap_or(sizes.root_element * module);
-        let across = graded(width, behind, sizes.growth, sizes.tooth_element * module);
-        let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
-        let land = corner_arc - outline.space_arc();
-        Stations {
-            outline,
-            corner_arc,
-            corner,
-            arcs,
-            across: halved(&across),
-            rows: below_root(gear, corner[0], root, sizes.growth),
-            columns: halved(&divide(0.0, land, root.min(0.5 * land))),
-        }
-    }
+/// Node numbers of a block by column and row, both at half-element steps.
+type Grid = Vec<Vec<usize>>;
 
-    fn bottom(&self, u: f64) -> Polar {
-        let [radius, angle] = self.corner;
-        let sag = 0.067 * 2.0 * radius * angle * self.outline.kappa;
-        [radius - 4.0 * sag * u * (1.0 - u), angle * (2.0 * u - 1.0)]
-    }
+/// In a [`Grid`]: not yet a node, or never one, in the middle of an element.
+const NO_NODE: usize = usize::MAX;
 
-    fn down(&self, radius: f64, depth: Depth) -> f64 {
-        radius + depth.t * (depth.target - radius)
+/// Arc lengths along the loaded flank at half-element steps: from `corner` in elements of the size `fillet` to the form point (a
+/// node), from there of the size `involute` to the tip, and at its edge of the size `tip`.
+fn along_flank(outline: &Outline, corner: f64, [fillet, involute, tip]: [f64; 3]) -> Vec<f64> {
+    let mut arcs = halved(&divide(corner, 0.0, fillet));
+    let mut above = divide(0.0, outline.tip_arc, involute);
+    // To a fifth of rounding in the number of steps.
+    while above[above.len() - 1] - above[above.len() - 2] > 1.2 * tip {
+        let last = above.len() - 1;
+        above.insert(last, 0.5 * (above[last - 1] + above[last]));
     }
+    arcs.extend(&halved(&above)[1..]);
+    arcs
 }
 
 /// Places of the rows below the root, at half-element steps; the blocks meet at the radius `corner`.
@@ -173,105 +269,110 @@ fn below_root(gear: &Gear, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
 
 impl Section {
     pub fn new(gear: &Gear, outline: &Outline, sizes: &Discretization) -> Section {
-        let stations = Stations::new(gear, outline, sizes);
-        let mut section = Section::default();
-        let tooth = section.tooth(&stations);
-        let under = section.under_tooth(&stations, &tooth);
-        let last = stations.across.len() - 1;
-        let right = section.under_space(&stations, [last as i32 / 2, -1], 1.0, &under[last]);
-        let left = section.under_space(&stations, [-1, -1], -1.0, &under[0]);
+        let module = gear.normal_module;
+        let flank = sizes.flank_element * module;
+        let involute = sizes.involute_element.map_or(flank, |size| size * module);
+        let (fillet, root) = match sizes.fillet_element {
+            Some(size) => (size * module, size * module),
+            None => (flank, sizes.root_element * module),
+        };
+        let corner_arc = outline.fillet_middle();
+        let corner = outline.point(corner_arc);
+        let sizes_along = [fillet, involute, flank / FLANK_OVER_TIP];
+        let arcs = along_flank(outline, corner_arc, sizes_along);
+        // From the unloaded flank (0) to the loaded one (1).
+        let (width, largest) = (2.0 * corner[0] * corner[1], sizes.tooth_element * module);
+        let across = graded(width, fillet.min(flank), sizes.growth, largest);
+        let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
+        let across = halved(&across);
+        let depths = below_root(gear, corner[0], root, sizes.growth);
+        let land = corner_arc - outline.space_arc();
+        let columns = halved(&divide(0.0, land, root.min(0.5 * land)));
 
-        let loaded = stations.arcs.iter().zip(&tooth[last]);
+        let mut section = Section::default();
+        // Block A stands on a curve that sags below the corners.
+        let [radius, angle] = corner;
+        let sag = 0.067 * 2.0 * radius * angle * outline.kappa;
+        let bottom = |u: f64| [radius - 4.0 * sag * u * (1.0 - u), angle * (2.0 * u - 1.0)];
+        let tip = outline.point(outline.tip_arc);
+        let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
+        let height = outline.tip_arc - corner_arc;
+        let a = vec![vec![NO_NODE; arcs.len()]; across.len()];
+        let a = section.block([0, 1], a, |i, j| {
+            let right = outline.point(arcs[j]);
+            let (u, v) = (across[i], (arcs[j] - corner_arc) / height);
+            let ends = [
+                [bottom(0.0), bottom(u), bottom(1.0)],
+                [top(0.0), top(u), top(1.0)],
+            ];
+            transfinite(u, v, [[right[0], -right[1]], right], ends)
+        });
+        // Block B shares the lowest row of A.
+        let mut b = vec![vec![NO_NODE; depths.len()]; across.len()];
+        (b.iter_mut().zip(&a)).for_each(|(b, a)| b[0] = a[0]);
+        let b = section.block([0, -1], b, |i, j| {
+            let [radius, angle] = bottom(across[i]);
+            [depths[j].below(radius), angle]
+        });
+        // Blocks C share the outermost columns of B.
+        let last = across.len() - 1;
+        let space = outline.point(outline.space_arc());
+        let mut under_space = |shared: usize, first: i32, side: f64| {
+            let mut c = vec![vec![NO_NODE; depths.len()]; columns.len()];
+            c[0].clone_from(&b[shared]);
+            section.block([first, -1], c, |i, j| {
+                let w = columns[i] / land;
+                let [radius, angle] = outline.point(corner_arc - columns[i]);
+                let end = corner[1] + w * (space[1] - corner[1]);
+                let angle = angle + depths[j].share * (end - angle);
+                [depths[j].below(radius), side * angle]
+            })
+        };
+        let right = under_space(last, last as i32 / 2, 1.0);
+        let left = under_space(0, -1, -1.0);
+
+        let loaded = arcs.iter().zip(&a[last]);
         section.flank = loaded.map(|(arc, node)| (*node, *arc)).collect();
-        let below = stations.columns.iter().zip(&right).skip(1).rev();
-        let below = below.map(|(away, column)| (column[0], stations.corner_arc - away));
+        let below = columns.iter().zip(&right).skip(1).rev();
+        let below = below.map(|(away, column)| (column[0], corner_arc - away));
         let above = section.flank.iter().copied();
         section.fillet = below
             .chain(above.take_while(|(_, arc)| *arc <= 0.0))
             .collect();
-        let below = stations.rows.iter().skip(1).step_by(2);
+        let below = depths.iter().skip(1).step_by(2);
         section.widths = below.map(|depth| depth.width).collect();
-        let lowest = stations.rows.len() - 1;
+        let lowest = depths.len() - 1;
         // A bore or the outside of a ring that rests on a foundation is free to move, and so is the bore of a shaft.
         let is_shaft = gear.body.is_some_and(|body| body.is_shaft());
         let free = lowest + usize::from(is_shaft || gear.foundation.is_some());
-        section.sides =
-            [&left, &right].map(|grid| grid[stations.columns.len() - 1][..free].to_vec());
-        let columns = left.iter().chain(&under).chain(&right);
+        section.sides = [&left, &right].map(|grid| grid[columns.len() - 1][..free].to_vec());
         if !is_shaft {
-            section.held = columns.map(|column| column[lowest]).collect();
+            let grids = left.iter().chain(&b).chain(&right);
+            section.held = grids.map(|column| column[lowest]).collect();
         }
         section.held.sort_unstable();
         section.held.dedup();
         section
     }
 
-    fn tooth(&mut self, at: &Stations) -> Grid {
-        let tip = at.outline.point(at.outline.tip_arc);
-        let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
-        let height = at.outline.tip_arc - at.corner_arc;
-        self.block([0, 1], at.across.len(), at.arcs.len(), |i, j| {
-            let right = at.outline.point(at.arcs[j]);
-            let (u, v) = (at.across[i], (at.arcs[j] - at.corner_arc) / height);
-            let ends = [
-                [at.bottom(0.0), at.bottom(u), at.bottom(1.0)],
-                [top(0.0), top(u), top(1.0)],
-            ];
-            Err(transfinite(u, v, [[right[0], -right[1]], right], ends))
-        })
-    }
-
-    /// Block B shares the lowest row of A.
-    fn under_tooth(&mut self, at: &Stations, tooth: &Grid) -> Grid {
-        self.block([0, -1], at.across.len(), at.rows.len(), |i, j| {
-            if j == 0 {
-                return Ok(tooth[i][0]);
-            }
-            let surface = at.bottom(at.across[i]);
-            Err([at.down(surface[0], at.rows[j]), surface[1]])
-        })
-    }
-
-    /// Block C on the `side` +1 or -1 shares the column `shared` of B; its first cell has the number `first`.
-    fn under_space(&mut self, at: &Stations, first: [i32; 2], side: f64, shared: &[usize]) -> Grid {
-        let land = at.corner_arc - at.outline.space_arc();
-        let space = at.outline.point(at.outline.space_arc());
-        self.block(first, at.columns.len(), at.rows.len(), |i, j| {
-            if i == 0 {
-                return Ok(shared[j]);
-            }
-            let w = at.columns[i] / land;
-            let surface = at.outline.point(at.corner_arc - at.columns[i]);
-            let depth = at.rows[j];
-            let end = at.corner[1] + w * (space[1] - at.corner[1]);
-            let angle = surface[1] + depth.share * (end - surface[1]);
-            Err([at.down(surface[0], depth), side * angle])
-        })
-    }
-
-    /// Adds a block whose first cell has the number `first`; columns and rows count on away from cell
-    /// (0, 0). `point` gives the number of a node that exists or else the place of a new one; elements have no node at their centre.
+    /// Adds a block of elements, and at `place` (column, row) the nodes that `grid` does not have yet. Its first element is the cell
+    /// `first`; cells count on away from cell (0, 0).
     fn block(
         &mut self,
         first: [i32; 2],
-        columns: usize,
-        rows: usize,
-        point: impl Fn(usize, usize) -> Result<usize, Polar>,
+        mut grid: Grid,
+        place: impl Fn(usize, usize) -> Polar,
     ) -> Grid {
-        let mut grid = vec![vec![usize::MAX; rows]; columns];
         for (i, column) in grid.iter_mut().enumerate() {
             for (j, number) in column.iter_mut().enumerate() {
-                if i % 2 == 1 && j % 2 == 1 {
-                    continue;
+                if *number == NO_NODE && (i % 2 == 0 || j % 2 == 0) {
+                    *number = self.nodes.len();
+                    self.nodes.push(place(i, j));
                 }
-                *number = point(i, j).unwrap_or_else(|place| {
-                    self.nodes.push(place);
-                    self.nodes.len() - 1
-                });
             }
         }
-        for i in (0..columns - 1).step_by(2) {
-            for j in (0..rows - 1).step_by(2) {
+        for i in (0..grid.len() - 1).step_by(2) {
+            for j in (0..grid[0].len() - 1).step_by(2) {
                 let half = |c: f64| (1.0 + c) as usize;
                 let mut quad = QUAD8.map(|c| grid[i + half(c[0])][j + half(c[1])]);
                 if self.signed_area(&quad) < 0.0 {
@@ -290,10 +391,10 @@ impl Section {
         grid
     }
 
-    /// Ends along z of the part of the body to which an element with the (column, row) `cell` belongs, see [`Section::widths`].
-    pub fn width(&self, cell: [i32; 2]) -> Option<[f64; 2]> {
-        let row = usize::try_from(-1 - cell[1]).ok()?;
-        self.widths[row]
+    /// Ends along z of the part of the body to which the elements of `row` belong, see [`Section::widths`].
+    pub fn width(&self, row: i32) -> Option<[f64; 2]> {
+        let below = usize::try_from(-1 - row).ok()?;
+        self.widths[below]
     }
 
     pub fn cartesian(&self, node: usize) -> [f64; 3] {

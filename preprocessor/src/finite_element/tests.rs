@@ -5,8 +5,8 @@ use gearmesh::gear::GearKind;
 use gearmesh::pair::Refinement;
 
 fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
-    let mut gear = samples::gear(GearKind::External, teeth, 1.0, 0.0, 0.0);
-    gear = samples::with_module(gear, module);
+    let gear = samples::gear(GearKind::External, teeth, 1.0, 0.0, 0.0);
+    let mut gear = samples::with_module(gear, module);
     gear.face_width = 6.0 * module;
     gear.held_radius = bore_ratio * gear.root_radius();
     gear
@@ -22,24 +22,20 @@ pub(super) fn model(gear: &Gear, settings: &Settings) -> FiniteElementCompliance
     FiniteElementCompliance::new(gear, settings, &|_, _| true).unwrap()
 }
 
-/// Settings of a plane model at `refinement`.
-fn plane(refinement: Refinement) -> Settings {
+/// Settings of a model in plane strain.
+pub(super) fn plane(refinement: Refinement, reach: usize) -> Settings {
     Settings {
         plane_strain: true,
-        ..Settings::new(refinement, 2)
+        ..Settings::new(refinement, reach)
     }
-}
-
-/// A kernel too narrow to matter, in place of a point load.
-fn nearly_point_load() -> Settings {
-    let mut settings = plane(Refinement::Fine);
-    settings.discretization.flank_element = 0.06;
-    settings.discretization.kernel_half_width = 0.06;
-    settings
 }
 
 #[test]
 fn tooth_compliance_in_plane_strain_is_that_of_two_independent_codes() {
+    // A kernel too narrow to matter, in place of a point load.
+    let mut settings = plane(Refinement::Fine, 0);
+    settings.discretization.flank_element = 0.06;
+    settings.discretization.kernel_half_width = 0.06;
     // docs: bore = root radius / 1.4, module 1 mm, micrometres per N/mm.
     for (teeth, radius, expected) in [
         (17, 8.0023, 0.01626),
@@ -48,7 +44,7 @@ fn tooth_compliance_in_plane_strain_is_that_of_two_independent_codes() {
         (43, 22.4434, 0.05411),
     ] {
         let gear = spur(teeth, 1e-3, 1.0 / 1.4);
-        let found = centre_line_compliance(&gear, &nearly_point_load(), 1e-3 * radius).unwrap();
+        let found = centre_line_compliance(&gear, &settings, 1e-3 * radius).unwrap();
         assert_relative_eq!(1e9 * found, expected, max_relative = 5e-3);
     }
 }
@@ -56,7 +52,7 @@ fn tooth_compliance_in_plane_strain_is_that_of_two_independent_codes() {
 /// Displacement of line loads at `radii` (m) on their own flank, Hertz contact of half-width 50 um
 /// included, m²/N.
 fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64> {
-    let mut settings = plane(Refinement::Normal);
+    let mut settings = plane(Refinement::Normal, 0);
     settings.discretization.flank_element = element;
     settings.discretization.kernel_half_width = kernel;
     let model = model(gear, &settings);
@@ -133,12 +129,8 @@ fn influence_matrix_of_segments_on_three_teeth_is_positive_definite() {
     assert!(least > 0.0, "least eigenvalue {least:e} m/N");
     let mut far = segments[0];
     far.tooth = 3;
-    let refused = model.bulk(&[segments[0], far]);
-    let expected = BeyondModel {
-        distance: 3,
-        reach: 2,
-    };
-    assert_eq!(refused, Err(expected));
+    let refused = model.bulk(&[segments[0], far]).unwrap_err();
+    assert_eq!((refused.distance, refused.reach), (3, 2));
 }
 
 #[test]
@@ -146,12 +138,8 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
     // With nu = 0 nothing happens along z: the solid spur gear repeats its section.
     let mut gear = spur(20, 4e-3, 0.5);
     gear.poisson_ratio = 0.0;
-    let solid = Settings::new(Refinement::Coarse, 0);
-    let plane = Settings {
-        plane_strain: true,
-        ..solid
-    };
-    let [solid, plane] = [solid, plane].map(|settings| model(&gear, &settings));
+    let solid = model(&gear, &Settings::new(Refinement::Coarse, 0));
+    let plane = model(&gear, &plane(Refinement::Coarse, 0));
     let whole = segment(&gear, 0, [0.0, gear.face_width], 41e-3);
     let part = segment(&gear, 0, [3e-3, 5e-3], 41e-3);
     let expected = plane.bulk(&[whole]).unwrap()[(0, 0)];
@@ -165,9 +153,8 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
 
 #[test]
 fn cancelling_stops_with_that_error() {
-    let gear = spur(20, 4e-3, 0.5);
-    let stopped = FiniteElementCompliance::new(&gear, &plane(Refinement::Coarse), &|stage, _| {
-        stage != Stage::Ring
-    });
+    let (gear, settings) = (spur(20, 4e-3, 0.5), plane(Refinement::Coarse, 0));
+    let until_ring = |stage, _| stage != Stage::Ring;
+    let stopped = FiniteElementCompliance::new(&gear, &settings, &until_ring);
     assert!(matches!(stopped, Err(FiniteElementError::Cancelled)));
 }

@@ -1,13 +1,18 @@
-//! The zip file: reproducible, and whole or not there.
+//! The zip file: written reproducibly, and whole or not at all; what a packed FMU holds.
 
-use std::io::{Cursor, Write};
+use std::fs::File;
+use std::io::{Cursor, Read, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use super::PackageError;
+use super::library::runs_on;
 use crate::storage::write_whole;
+use gearmesh::contact::ContactFile;
+use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
+use gearmesh::table::InterpolationError;
 
 /// Writes `files` (name with forward slashes, contents) in the order of their names to `out` and
 /// returns the size. The same files give the same bytes.
@@ -33,23 +38,143 @@ pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, Pack
     Ok(archive.len() as u64)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Longest file that is read from an FMU, bytes: some hundred times the tables of a pair.
+const LONGEST_FILE: u64 = 256 << 20;
 
-    #[test]
-    fn the_same_files_give_the_same_bytes_in_any_order() {
-        let folder = tempfile::tempdir().unwrap();
-        let [one, two] = ["one.fmu", "two.fmu"].map(|name| folder.path().join(name));
-        let mut files = vec![
-            ("resources/a.json".to_owned(), b"{}".to_vec()),
-            ("binaries/linux64/G.so".to_owned(), vec![7; 1000]),
-        ];
-        write(&files, &one).unwrap();
-        files.reverse();
-        let size = write(&files, &two).unwrap();
-        let bytes = std::fs::read(&one).unwrap();
-        assert_eq!(bytes, std::fs::read(&two).unwrap());
-        assert_eq!(bytes.len() as u64, size);
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// Most files of an FMU that is looked into; one of gearmesh has some twenty.
+const MOST_FILES: usize = 10_000;
+
+/// Unpacks the resources of the FMU at `path` into `folder`, as a host would.
+///
+/// # Errors
+/// A file that cannot be read, or resources longer than any that this program packs.
+pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> {
+    let mut archive = opened(path)?;
+    let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
+    for name in names {
+        // Only what lies there itself: no name leads out of `folder`.
+        let last = name.strip_prefix("resources/").filter(|n| is_plain(n));
+        if let Some(last) = last
+            && let Some(bytes) = bytes(&mut archive, path, &name)?
+        {
+            let target = folder.join(last);
+            std::fs::write(&target, bytes).map_err(|e| PackageError::file(&target, e))?;
+        }
     }
+    Ok(())
+}
+
+/// The archive at `path`, if it is no larger than an FMU is.
+fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
+    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
+    let archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    if archive.len() > MOST_FILES {
+        let problem = format!(
+            "holds {} files, and was not packed by gearmesh",
+            archive.len()
+        );
+        return Err(PackageError::contents(path, problem));
+    }
+    Ok(archive)
+}
+
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':'])
+}
+
+/// The file `name` of the `archive` at `path`, if there is one.
+fn bytes(
+    archive: &mut ZipArchive<File>,
+    path: &Path,
+    name: &str,
+) -> Result<Option<Vec<u8>>, PackageError> {
+    let entry = match archive.by_name(name) {
+        Ok(entry) => entry,
+        Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+        Err(e) => return Err(PackageError::archive(path, e)),
+    };
+    let mut bytes = Vec::new();
+    // Few packed bytes may unfold into any number of them.
+    let length = entry.take(LONGEST_FILE + 1).read_to_end(&mut bytes);
+    if length.map_err(|e| PackageError::file(path, e))? as u64 > LONGEST_FILE {
+        let longest = LONGEST_FILE >> 20;
+        let problem =
+            format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh");
+        return Err(PackageError::contents(path, problem));
+    }
+    Ok(Some(bytes))
+}
+
+/// Contents of a packed FMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspection {
+    /// Name, GUID, pair and start values.
+    pub unit: UnitFile,
+    /// Text of the tables, if there are any.
+    pub tables: Option<String>,
+    /// Communication step of the default experiment, s.
+    pub step_size: f64,
+    /// How far contact at run time is from static contact on more stations, if that was measured.
+    pub contact_error: Option<InterpolationError>,
+    /// Platforms there are libraries for, in words, each with what its library needs.
+    pub platforms: Vec<String>,
+    /// Every file with its size in bytes.
+    pub files: Vec<(String, u64)>,
+}
+
+/// Reads the FMU at `path`.
+///
+/// # Errors
+/// A file that cannot be read or is no FMU that this program packed.
+pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
+    let mut archive = opened(path)?;
+    let mut files = Vec::new();
+    for i in 0..archive.len() {
+        let entry = archive
+            .by_index(i)
+            .map_err(|e| PackageError::archive(path, e))?;
+        files.push((entry.name().to_owned(), entry.size()));
+    }
+    let faulty =
+        |name: &str, reason: &str| PackageError::contents(path, format!("{name}: {reason}"));
+    let mut bytes = |name: &str| bytes(&mut archive, path, name);
+    let mut text = |name: &str| -> Result<Option<String>, PackageError> {
+        let text = bytes(name)?.map(String::from_utf8).transpose();
+        text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh"))
+    };
+    let unit = format!("resources/{UNIT_FILE}");
+    let found =
+        text(&unit)?.ok_or_else(|| faulty(&unit, "is missing; it was not packed by gearmesh"))?;
+    let unit = parse_unit(found.as_bytes()).map_err(|reason| faulty(&unit, &reason))?;
+    let tables = text(&format!("resources/{TABLES_FILE}"))?;
+    let description = text(DESCRIPTION)?.unwrap_or_default();
+    let step_size = description.split_once("stepSize=\"");
+    let step_size = step_size.and_then(|(_, rest)| rest.split('"').next()?.parse().ok());
+    let step_size =
+        step_size.ok_or_else(|| faulty(DESCRIPTION, "no stepSize in its default experiment"))?;
+    let contact = format!("resources/{CONTACT_FILE}");
+    let contact_error = match bytes(&contact)?.as_deref().map(ContactFile::from_bytes) {
+        Some(found) => found.map_err(|reason| faulty(&contact, &reason))?.error,
+        None => None,
+    };
+    let mut platforms = Vec::new();
+    for (name, _) in files.iter().filter(|(name, _)| !name.ends_with('/')) {
+        let parts = name
+            .strip_prefix("binaries/")
+            .and_then(|name| name.split_once('/'));
+        if let Some((platform, _)) = parts {
+            platforms.push(runs_on(platform, &bytes(name)?.unwrap_or_default()));
+        }
+    }
+    platforms.sort();
+    Ok(Inspection {
+        unit,
+        tables,
+        step_size,
+        contact_error,
+        platforms,
+        files,
+    })
 }

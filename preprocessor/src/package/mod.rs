@@ -4,28 +4,23 @@
 //! bytes, and the GUID is that of the contents, so that two FMUs with different tables never share one.
 
 mod archive;
-mod coupling;
 mod documentation;
-mod example;
-mod inspect;
+mod driven;
+mod dynamics;
 mod library;
 mod starts;
-mod step_error;
-mod stiffness;
-mod transmission_error;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-pub use coupling::{Blank, Coupling, DAMPING_RATIO};
+pub use archive::{Inspection, inspect, unpack_resources};
 pub use documentation::start_in_words;
-pub use inspect::{Inspection, inspect, unpack_resources};
+pub use driven::step_error;
+pub use dynamics::{MeshDynamics, theoretical_pair_stiffness};
 pub use library::{Library, libraries_beside};
-pub use starts::{Setting, SettingError, Starts, meshing_spin};
-pub use step_error::step_error;
-pub use stiffness::{Stiffness, estimated_stiffness, theoretical_pair_stiffness};
+pub use starts::{Setting, Starts};
 
 use documentation::Description;
 use gearmesh::contact::ContactFile;
@@ -43,11 +38,9 @@ pub struct Contents<'a> {
     pub name: &'a str,
     /// The pair, SI.
     pub geometry: &'a PairGeometry,
-    /// The tables; `None` for an FMU of constant stiffness.
-    pub tables: Option<&'a TableFile>,
     /// What contact at run time needs, for `stiffnessModel = contact`.
     pub contact: Option<&'a ContactFile>,
-    /// Start values that belong to the pair.
+    /// Start values that belong to the pair, with its tables, if there are any.
     pub starts: &'a Starts,
 }
 
@@ -62,24 +55,11 @@ pub struct Packed {
     pub platforms: Vec<String>,
 }
 
-/// Why an FMU could not be packed or read.
+/// Why an FMU could not be packed or read: a file that cannot be read or written or is not what it should be, or start values
+/// that no host could start with.
 #[derive(Debug, thiserror::Error)]
-pub enum PackageError {
-    /// A file that cannot be read or written, or is not what it should be.
-    #[error("{path}: {reason}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong and what to do.
-        reason: String,
-    },
-    /// Start values that a host could not start with.
-    #[error("the FMU does not start with these values: {reason}")]
-    Refused {
-        /// What the FMU says.
-        reason: String,
-    },
-}
+#[error("{0}")]
+pub struct PackageError(String);
 
 impl PackageError {
     fn file(path: &Path, source: std::io::Error) -> Self {
@@ -92,11 +72,14 @@ impl PackageError {
         PackageError::contents(path, format!("{source}; {remedy}"))
     }
 
-    fn contents(path: &Path, reason: impl Into<String>) -> Self {
-        PackageError::File {
-            path: path.to_owned(),
-            reason: reason.into(),
-        }
+    fn contents(path: &Path, reason: impl std::fmt::Display) -> Self {
+        PackageError(format!("{}: {reason}", path.display()))
+    }
+
+    fn starts(reason: &str) -> Self {
+        PackageError(format!(
+            "the FMU does not start with these values: {reason}"
+        ))
     }
 }
 
@@ -119,7 +102,9 @@ pub fn pack(
         starts: contents.starts.of_variables(contents.geometry),
         geometry: contents.geometry.clone(),
     };
-    let tables = contents.tables.map(TableFile::to_json);
+    let table = contents.starts.table.as_ref();
+    let table_file = table.map(|table| &**table.file());
+    let tables = table_file.map(TableFile::to_json);
     let contact = contents.contact.map(ContactFile::to_bytes);
     unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);
     let guid = unit.guid.clone();
@@ -133,16 +118,16 @@ pub fn pack(
         .filter_map(|(name, bytes)| Some((format!("resources/{name}"), bytes?)));
     let mut files: Vec<(String, Vec<u8>)> = named.collect();
     // The FMU starts here as it will in a host.
-    let refused = |reason: String| PackageError::Refused { reason };
-    let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned());
-    let resources = Arc::new(resources.map_err(refused)?);
-    let example = example::signals(&resources).map_err(|refusal| refused(refusal.message))?;
-    let coupling = contents.starts.coupling(contents.geometry);
+    let resources = Resources::new(unit, table_file.cloned(), contents.contact.cloned());
+    let resources = Arc::new(resources.map_err(|reason| PackageError::starts(&reason))?);
+    let example = driven::example_signals(&resources)
+        .map_err(|refusal| PackageError::starts(&refusal.message))?;
+    let dynamics = contents.starts.dynamics(contents.geometry);
     let description = Description {
         unit: &resources.unit,
-        table: contents.starts.table.as_deref(),
-        coupling: &coupling,
-        step_error: step_error(&resources.unit, contents.tables, coupling.step()),
+        table,
+        dynamics: &dynamics,
+        step_error: step_error(&resources.unit, table_file, dynamics.step()),
         example,
     };
     files.extend(description.files());
@@ -217,7 +202,6 @@ mod tests {
             let contents = Contents {
                 name,
                 geometry: &geometry,
-                tables: None,
                 contact: None,
                 starts: &starts,
             };
@@ -253,7 +237,6 @@ mod tests {
             let contents = Contents {
                 name: "a",
                 geometry: &geometry,
-                tables: None,
                 contact: None,
                 starts: &starts.with(&[setting.parse().unwrap()]),
             };

@@ -4,10 +4,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::str::FromStr;
-use std::sync::Arc;
 
-use super::coupling::Coupling;
-use super::stiffness::Stiffness;
+use super::dynamics::{MeshDynamics, Stiffness};
 use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index, index_by_name};
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Table, TableError, TableFile, TeethRecord};
@@ -25,29 +23,26 @@ pub(super) const SEQUENTIAL: f64 = 2.0;
 const PARALLEL: f64 = 3.0;
 
 /// Start values of an FMU that belong to its pair.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Starts {
     /// The tables made ready; `None` for an FMU of constant stiffness.
-    pub(super) table: Option<Arc<Table>>,
+    pub(super) table: Option<Table>,
     /// Its mean is `constantStiffness`.
     stiffness: Stiffness,
-    /// What the tables, or their absence, give, by index in [`VARIABLES`].
-    values: Vec<(usize, f64)>,
-    /// What the user chooses; the last of a name counts.
+    /// What the tables, or their absence, give, then what the user chooses; the last of a variable counts.
     settings: Vec<Setting>,
 }
 
 impl Starts {
-    /// An FMU of constant stiffness, estimated by [`super::estimated_stiffness`]; `nominal_torque` on gear 1, N m, > 0.
+    /// An FMU of constant stiffness, estimated after ISO 6336-1; `nominal_torque` on gear 1, N m, > 0.
     pub fn constant_stiffness(geometry: &PairGeometry, nominal_torque: f64) -> Self {
         Self {
             table: None,
             stiffness: Stiffness::estimated(geometry, nominal_torque),
-            values: vec![
-                (index::STIFFNESS_MODEL, CONSTANT),
-                (index::NOMINAL_TORQUE, nominal_torque),
+            settings: vec![
+                Setting::new(index::STIFFNESS_MODEL, CONSTANT),
+                Setting::new(index::NOMINAL_TORQUE, nominal_torque),
             ],
-            settings: Vec::new(),
         }
     }
 
@@ -62,17 +57,17 @@ impl Starts {
         let moments = &file.drive.moment;
         let shuttling = effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0);
         let on = |flag: bool| f64::from(u8::from(flag));
+        let settings = [
+            (index::STIFFNESS_MODEL, if teeth { TEETH } else { TABLE }),
+            (index::NOMINAL_TORQUE, file.nominal_torque_nm),
+            (index::CENTER_DISTANCE_EFFECT, on(effects.center_distance)),
+            (index::MISALIGNMENT_EFFECT, on(effects.misalignment)),
+            (index::SHUTTLING_EFFECT, on(shuttling)),
+        ];
         Ok(Self {
             stiffness: Stiffness::of_table(&table),
-            values: vec![
-                (index::STIFFNESS_MODEL, if teeth { TEETH } else { TABLE }),
-                (index::NOMINAL_TORQUE, file.nominal_torque_nm),
-                (index::CENTER_DISTANCE_EFFECT, on(effects.center_distance)),
-                (index::MISALIGNMENT_EFFECT, on(effects.misalignment)),
-                (index::SHUTTLING_EFFECT, on(shuttling)),
-            ],
-            settings: Vec::new(),
-            table: Some(Arc::new(table)),
+            settings: settings.map(|(i, value)| Setting::new(i, value)).into(),
+            table: Some(table),
         })
     }
 
@@ -85,22 +80,21 @@ impl Starts {
 
     /// Value of the variable `i`, as far as tables and user give it.
     fn value(&self, i: usize) -> Option<f64> {
-        let chosen = self.settings.iter().map(|s| (s.index, s.value));
-        let mut all = self.values.iter().copied().chain(chosen).rev();
-        all.find(|(j, _)| *j == i).map(|(_, value)| value)
+        let last = self.settings.iter().rev().find(|s| s.index == i);
+        last.map(|s| s.value)
     }
 
     /// Dynamics of the mesh with the stiffness and the damping that the FMU starts with.
-    pub fn coupling(&self, geometry: &PairGeometry) -> Coupling {
+    pub fn dynamics(&self, geometry: &PairGeometry) -> MeshDynamics {
         let stiffness = if self.value(index::STIFFNESS_MODEL) == Some(CONSTANT) {
             let constant = self.value(index::CONSTANT_STIFFNESS);
             Stiffness::constant(constant.unwrap_or(self.stiffness.mean))
         } else {
             self.stiffness
         };
-        Coupling {
+        MeshDynamics {
             held: self.value(index::COUPLING) == Some(HELD),
-            ..Coupling::new(geometry, stiffness, self.value(index::DAMPING))
+            ..MeshDynamics::new(geometry, stiffness, self.value(index::DAMPING))
         }
     }
 
@@ -108,7 +102,7 @@ impl Starts {
     pub(super) fn of_variables(&self, geometry: &PairGeometry) -> BTreeMap<String, f64> {
         let distance = geometry.center_distance;
         let cos_phi = geometry.operating_pressure_angle(distance).cos();
-        let coupling = self.coupling(geometry);
+        let dynamics = self.dynamics(geometry);
         let stiffness = to_digits(self.stiffness.mean, 4, f64::round);
         // Along the operating pitch circle, as the pair file gives it.
         let backlash = (geometry.backlash(distance) / cos_phi).max(0.0);
@@ -119,10 +113,10 @@ impl Starts {
             (index::CENTER_DISTANCE_EFFECT, 0.0),
             (index::MISALIGNMENT_EFFECT, 0.0),
             (index::SHUTTLING_EFFECT, 0.0),
-            (index::DAMPING, coupling.damping),
+            (index::DAMPING, dynamics.damping),
             // Wrong for a sequential master it damps; the other way round no step would be stable.
             (index::COUPLING, PARALLEL),
-            (index::EFFECTIVE_MASS, coupling.effective_mass),
+            (index::EFFECTIVE_MASS, dynamics.effective_mass),
             // Tables serve both flanks: the coast flank has its own or is the drive flank's mirror image.
             (index::LOADED_FLANK, BOTH_FLANKS),
             (index::BACKLASH, backlash),
@@ -137,7 +131,6 @@ impl Starts {
                 (index::GEAR2_QUATERNION_4, sin),
             ]);
         }
-        starts.extend(&self.values);
         starts.extend(self.settings.iter().map(|s| (s.index, s.value)));
         let named = |(i, value): (usize, f64)| (VARIABLES[i].name.to_owned(), value);
         starts.into_iter().map(named).collect()
@@ -185,32 +178,6 @@ pub struct Setting {
     value: f64,
 }
 
-/// Why a text is no [`Setting`].
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SettingError {
-    /// Not of the form `name=value`.
-    #[error("give a variable and its start value as name=value")]
-    Form,
-    /// No parameter or input has this name.
-    #[error("the FMU has no parameter or input {name}; its parameters are {known}")]
-    Unknown {
-        /// As given.
-        name: String,
-        /// All parameters.
-        known: String,
-    },
-    /// A value that the variable cannot take.
-    #[error("{name} = {value}: give {remedy}")]
-    Value {
-        /// The variable.
-        name: &'static str,
-        /// As given.
-        value: String,
-        /// What it takes.
-        remedy: String,
-    },
-}
-
 impl Setting {
     /// Contact at run time.
     pub const CONTACT: Self = Self::new(index::STIFFNESS_MODEL, CONTACT);
@@ -227,10 +194,12 @@ impl Setting {
 }
 
 impl FromStr for Setting {
-    type Err = SettingError;
+    /// Why the text is no setting, and what it takes.
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, SettingError> {
-        let (name, value) = text.split_once('=').ok_or(SettingError::Form)?;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "give a variable and its start value as name=value";
+        let (name, value) = text.split_once('=').ok_or(form)?;
         let (name, value) = (name.trim(), value.trim());
         let found = index_by_name(name).filter(|&i| VARIABLES[i].causality != Causality::Output);
         let index = found.ok_or_else(|| {
@@ -238,10 +207,8 @@ impl FromStr for Setting {
                 .iter()
                 .filter(|v| v.causality == Causality::Parameter);
             let known: Vec<&str> = parameters.map(|v| v.name).collect();
-            SettingError::Unknown {
-                name: name.to_owned(),
-                known: known.join(", "),
-            }
+            let known = known.join(", ");
+            format!("the FMU has no parameter or input {name}; its parameters are {known}")
         })?;
         let variable = &VARIABLES[index];
         let (min, max, items) = (variable.min, variable.max, variable.items);
@@ -268,11 +235,7 @@ impl FromStr for Setting {
                 format!("a number with a decimal point{limits}")
             }
         };
-        let value = parsed.ok_or_else(|| SettingError::Value {
-            name: variable.name,
-            value: value.to_owned(),
-            remedy: remedy(),
-        })?;
+        let value = parsed.ok_or_else(|| format!("{name} = {value}: give {}", remedy()))?;
         Ok(Self { index, value })
     }
 }
@@ -339,9 +302,9 @@ mod tests {
         let plain = of(&[]);
         let heavier = of(&["damping=5e3"]);
         assert_eq!(start(&heavier, &pair, index::DAMPING), 5e3);
-        let held = |damping| of(&["coupling=held", damping]).coupling(&pair).step();
+        let held = |damping| of(&["coupling=held", damping]).dynamics(&pair).step();
         assert!(held("damping=5e3") > held("damping=5e2"));
-        assert_eq!(heavier.coupling(&pair).step(), plain.coupling(&pair).step());
+        assert_eq!(heavier.dynamics(&pair).step(), plain.dynamics(&pair).step());
         // Four times the stiffness: twice the damping at the same ratio.
         let four = 4.0 * start(&plain, &pair, index::CONSTANT_STIFFNESS);
         let stiffer = of(&[&format!("constantStiffness={four}")]);
@@ -380,7 +343,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_set_is_refused_with_what_can() {
-        let error = |text: &str| text.parse::<Setting>().unwrap_err().to_string();
+        let error = |text: &str| text.parse::<Setting>().unwrap_err();
         let number = "give a number with a decimal point, 0 or above, in N.s/m";
         for (name, value, remedy) in [
             ("damping", "-1", number),

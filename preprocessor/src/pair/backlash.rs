@@ -1,8 +1,8 @@
 //! Centre distance and backlash: how far the gears stand apart, and by how much their teeth are thinned.
 
 use super::checks::{about, remedy};
-use super::error::{Refusal, ensure};
 use super::file::{MM, PairFile, UM};
+use super::{Refusal, ensure};
 use gearmesh::gear::{PairGeometry, inverse_involute, involute};
 use gearmesh::words::{fixed, rounded};
 
@@ -13,7 +13,10 @@ const ROUNDING_OF_CENTER_DISTANCE: f64 = 1e-6;
 const ROUNDING_OF_BACKLASH: f64 = 5.0 * UM;
 
 /// Sets the centre distance: the file's, or that without backlash.
-pub(super) fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+pub(super) fn set_center_distance(
+    file: &PairFile,
+    geometry: &mut PairGeometry,
+) -> Result<(), Refusal> {
     let least = geometry.base_radius_sum();
     let free = backlash_free_center_distance(geometry);
     geometry.center_distance = file.center_distance_mm.map_or(free, |mm| mm * MM);
@@ -43,38 +46,27 @@ fn backlash_free_center_distance(geometry: &PairGeometry) -> f64 {
     geometry.base_radius_sum() / inverse_involute(geometry.backlash_free_involute()).cos()
 }
 
-/// Thins the teeth as the drawing says (`given`, m on the base circle), and those of which it does not alike, so that the
-/// backlash of the file results.
-pub(super) fn set_backlash(
-    file: &PairFile,
-    geometry: &mut PairGeometry,
-    given: [Option<f64>; 2],
-) -> Result<(), Refusal> {
+/// Thins the teeth of which the drawing does not give the thickness, alike, so that the backlash of the file results.
+pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+    let given = [0, 1].map(|i| file.gear(i).has_thickness());
     let c = geometry.center_distance;
     let cos_phi = geometry.operating_pressure_angle(c).cos();
     let cos_b = geometry.base_helix_angle().cos();
-    for (gear, given) in geometry.gears.iter_mut().zip(given) {
-        gear.tooth_thinning = given.unwrap_or(0.0);
-    }
     // On the line of action, that of teeth that are full as far as nothing is known.
     let natural = geometry.backlash(c);
-    // Each field, what it asks for on the line of action, and its own number for a backlash there.
+    // What both fields ask for on the line of action.
     let circumferential = file.backlash_um.map(|um| um * UM * cos_phi);
     let normal = file.normal_backlash_um.map(|j| j.middle() * UM / cos_b);
-    let fields = [
-        ("backlash_um", circumferential, 1.0 / cos_phi),
-        ("normal_backlash_um", normal, cos_b),
-    ];
-    if let [
-        (name, Some(first), scale),
-        (other, Some(second), other_scale),
-    ] = fields
-    {
-        ensure!((first - second).abs() <= 2.0 * UM, other => second / UM * other_scale;
-            "`{name}` = {} says otherwise", first / UM * scale;
-            "give one of them, or {:.1}", first / UM * other_scale);
+    if let (Some(first), Some(second)) = (circumferential, normal) {
+        ensure!((first - second).abs() <= 2.0 * UM, "normal_backlash_um" => second / UM * cos_b;
+            "`backlash_um` = {} says otherwise", first / UM * (1.0 / cos_phi);
+            "give one of them, or {:.1}", first / UM * cos_b);
     }
-    let wanted = (fields.into_iter()).find_map(|(name, j, scale)| Some((name, j?, scale)));
+    // Field, backlash on the line of action, and the number of the field for one metre there.
+    let wanted = match (circumferential, normal) {
+        (Some(j), _) => Some(("backlash_um", j, 1.0 / cos_phi)),
+        (None, j) => j.map(|j| ("normal_backlash_um", j, cos_b)),
+    };
     // Beyond half a module it is no backlash, but another centre distance.
     let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
     ensure!(wanted.is_none_or(|(_, j, _)| (natural - j).abs() <= out_of_place), "center_distance_mm" => c / MM;
@@ -92,7 +84,7 @@ pub(super) fn set_backlash(
     };
     let [um, left] = [rounded(wanted / UM * scale), natural / UM * scale];
     let thinning = wanted - natural;
-    if given.iter().all(Option::is_some) {
+    if given == [true; 2] {
         let slack = file.normal_backlash_um.map_or(0.0, |j| j.slack()) * UM;
         ensure!(thinning.abs() <= ROUNDING_OF_BACKLASH + slack, name => um;
             "tooth thicknesses and centre distance leave {left:.1} um"; "give {left:.1}, or leave it out");
@@ -109,11 +101,11 @@ pub(super) fn set_backlash(
 
 /// Thins the teeth, together by `thinning` (m) on the line of action if that is positive: those of gears whose thickness
 /// is not `given`, else those of both.
-fn thin(geometry: &mut PairGeometry, given: [Option<f64>; 2], thinning: f64) {
-    let both = given[0].is_some() == given[1].is_some();
+fn thin(geometry: &mut PairGeometry, given: [bool; 2], thinning: f64) {
+    let both = given[0] == given[1];
     let share = if both { 0.5 } else { 1.0 };
     for (gear, given) in geometry.gears.iter_mut().zip(given) {
-        if given.is_none() || both {
+        if !given || both {
             gear.tooth_thinning += share * thinning.max(0.0);
         }
     }

@@ -1,7 +1,7 @@
 //! What can be said of each number of the file on its own, before any geometry is built from it.
 
-use super::error::{Refusal, ensure, refusal};
 use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
+use super::{Refusal, ensure, refusal};
 use gearmesh::words::{number, rounded};
 
 /// The least number above 0.
@@ -109,16 +109,16 @@ pub(super) fn note(field: &str, value: f64, least: f64) -> Option<String> {
 /// Less than this is no helix angle in degrees that teeth have, but may be one in radians.
 pub(super) const LEAST_HELIX: f64 = 1.05;
 
-/// Notes on numbers of the file that are suspiciously small.
-pub(super) fn notes(file: &PairFile) -> Vec<String> {
+/// Notes on suspiciously small numbers: the helix angle on gear 1 (`helix`, degrees) and those of the file.
+pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
     // The end of a range that is farther from nominal.
     let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
     let o = &file.operating;
     let [offset, tilt] = [o.center_distance_offset_um, o.misalignment_mrad].map(farther);
-    let (helix, backlash) = (file.helix_angle_deg, file.backlash_um);
+    let backlash = file.backlash_um.unwrap_or(0.0);
     let mut notes = vec![
-        note("helix_angle_deg", helix.unwrap_or(0.0), LEAST_HELIX),
-        note("backlash_um", backlash.unwrap_or(0.0), 1.0),
+        note("helix_angle_deg", helix, LEAST_HELIX),
+        note("backlash_um", backlash, 1.0),
         note("operating.center_distance_offset_um", offset, 0.1),
         note("operating.misalignment_mrad", tilt, 0.02),
     ];
@@ -269,21 +269,12 @@ fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     let nominal = o.nominal_torque_nm;
     ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
-    check(
-        "operating.maximum_torque_nm",
-        o.maximum_torque_nm,
-        [nominal, most],
-    )?;
-    for (field, [low, high], most) in [
-        (
-            "operating.center_distance_offset_um",
-            o.center_distance_offset_um,
-            1e4,
-        ),
-        ("operating.misalignment_mrad", o.misalignment_mrad, 20.0),
-    ] {
+    limits! { "operating.", o; maximum_torque_nm: [nominal, most]; }
+    let range = |field: &str, [low, high]: [f64; 2], most: f64| {
         check(field, low, [-most, 0.0])?;
-        check(field, high, [0.0, most])?;
-    }
-    Ok(())
+        check(field, high, [0.0, most])
+    };
+    let offset = o.center_distance_offset_um;
+    range("operating.center_distance_offset_um", offset, 1e4)?;
+    range("operating.misalignment_mrad", o.misalignment_mrad, 20.0)
 }

@@ -4,9 +4,9 @@
 use std::f64::consts::PI;
 
 use super::checks::in_gear;
-use super::error::{Refusal, ensure, refusal};
 use super::file::{Dimension, GearFile, MM, PairFile, UM};
-use super::gears::gear;
+use super::gears::{set_circles, unshifted};
+use super::{Refusal, ensure, refusal};
 use gearmesh::gear::{Gear, GearKind, inverse_involute, involute};
 use gearmesh::words::{fixed, rounded};
 
@@ -166,27 +166,15 @@ const ROUNDING_OF_HELIX: f64 = 0.006;
 /// Teeth are thinner than their profile shift makes them by less than this, in normal modules: else it is another one.
 const MOST_THINNING: f64 = 0.25;
 
-/// The file with helix angle, profile shifts and dedenda in place of what gives them, and the thinning of the teeth of both
-/// gears on the base circle, m, where the drawing has it.
-pub(super) fn settle(file: &PairFile) -> Result<(PairFile, [Option<f64>; 2]), Refusal> {
-    let mut file = file.clone();
-    file.helix_angle_deg = Some(helix(&file)?);
-    let thinning = [settle_gear(&mut file, 0)?, settle_gear(&mut file, 1)?];
-    Ok((file, thinning))
-}
-
 /// The helix angle, degrees: the file's, which the leads must fit, or that of the first lead.
-fn helix(file: &PairFile) -> Result<f64, Refusal> {
+pub(super) fn helix(file: &PairFile) -> Result<f64, Refusal> {
     let mut known = file.helix_angle_deg;
     for i in 0..2 {
         let g = file.gear(i);
         let Some(mm) = g.lead_mm else { continue };
         let name = in_gear(i, "lead_mm");
-        let side = if i == 1 && file.ring().is_none() {
-            -1.0
-        } else {
-            1.0
-        };
+        let is_other_hand = i == 1 && file.ring().is_none();
+        let side = if is_other_hand { -1.0 } else { 1.0 };
         let per_sine = f64::from(g.teeth) * PI * file.normal_module_mm;
         let angle = side * (per_sine / mm).asin().to_degrees();
         ensure!(known != Some(0.0), name => mm;
@@ -209,56 +197,46 @@ type Given = (Measure, &'static str, Dimension);
 
 /// The tooth thicknesses given for gear `i`.
 fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusal> {
-    let k = g.span_teeth.map(Measure::Span);
-    let balls = g.ball_diameter_mm.map(|mm| Measure::Balls(mm * MM));
-    let measures = [
-        (
-            "normal_tooth_thickness_mm",
-            g.normal_tooth_thickness_mm,
-            "",
-            Some(Measure::Thickness),
-        ),
-        (
-            "span_measurement_mm",
-            g.span_measurement_mm,
-            "span_teeth",
-            k,
-        ),
-        (
-            "dimension_over_balls_mm",
-            g.dimension_over_balls_mm,
-            "ball_diameter_mm",
-            balls,
-        ),
-    ];
-    let mut all = Vec::new();
-    for (field, value, gauge, measure) in measures {
+    let mut all: Vec<Given> = Vec::new();
+    if let Some(value) = g.normal_tooth_thickness_mm {
+        all.push((Measure::Thickness, "normal_tooth_thickness_mm", value));
+    }
+    let mut add = |field, value: Option<Dimension>, gauge, measure: Option<(Measure, f64)>| {
         let (name, alone, other) = match (value, measure) {
-            (Some(value), Some(measure)) => {
+            (None, None) => return Ok(()),
+            (Some(value), Some((measure, _))) => {
                 let is_possible = !matches!(measure, Measure::Span(_)) || has_span(gear);
                 ensure!(is_possible, in_gear(i, field) => value;
                     "no span can be measured on the helical teeth of a ring"; "give `dimension_over_balls_mm`");
                 all.push((measure, field, value));
-                continue;
+                return Ok(());
             }
             (Some(value), None) => (field, value.to_string(), gauge),
-            (None, Some(Measure::Span(k))) => (gauge, k.to_string(), field),
-            (None, Some(Measure::Balls(d))) => (gauge, rounded(d / MM).to_string(), field),
-            (None, _) => continue,
+            (None, Some((_, size))) => (gauge, rounded(size).to_string(), field),
         };
-        return Err(refusal!(in_gear(i, name) => alone;
-            "`{other}` is not given, and neither says anything alone"; "give both, or none"));
-    }
+        Err(refusal!(in_gear(i, name) => alone;
+            "`{other}` is not given, and neither says anything alone"; "give both, or none"))
+    };
+    let span = g.span_teeth.map(|k| (Measure::Span(k), f64::from(k)));
+    add(
+        "span_measurement_mm",
+        g.span_measurement_mm,
+        "span_teeth",
+        span,
+    )?;
+    let (over, balls) = (g.dimension_over_balls_mm, g.ball_diameter_mm);
+    let balls = balls.map(|mm| (Measure::Balls(mm * MM), mm));
+    add("dimension_over_balls_mm", over, "ball_diameter_mm", balls)?;
     Ok(all)
 }
 
-/// Settles profile shift and dedendum of gear `i`; the thinning of its teeth, where the drawing has it.
-fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
-    let given = file.gear(i).clone();
-    let mut g = gear(file, i);
-    let thicknesses = thicknesses(&given, &g, i)?;
-    let mut shift = given_shift(&given, g.kappa(), i)?;
-    let mut thinning = None;
+/// Gear `i` with the profile shift, the thinning of the teeth and the dedendum that the drawing says, and a helix angle of
+/// `helix` degrees on gear 1; without a body.
+pub(super) fn gear(file: &PairFile, i: usize, helix: f64) -> Result<Gear, Refusal> {
+    let given = file.gear(i);
+    let mut g = unshifted(file, i, helix);
+    let thicknesses = thicknesses(given, &g, i)?;
+    let mut shift = given_shift(given, g.kappa(), i)?;
     if let Some(&(measure, first, value)) = thicknesses.first() {
         let path = in_gear(i, first);
         let s = measure.thickness(&g, value.middle() * MM);
@@ -274,12 +252,10 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
             (ROUNDING_OF_ROOT + root.slack() * MM) * g.normal_pressure_angle.tan()
         }) + ROUNDING;
         // The root circle gives the nominal profile shift where nothing else does: a thinned tooth has another one.
-        let at_root = of_root
-            .zip(given.dedendum_coefficient)
-            .map(|(root, dedendum)| {
-                let above = 0.5 * root.middle() * MM - g.reference_radius();
-                above / g.normal_module + g.kappa() * dedendum
-            });
+        let at_root = (of_root.zip(given.dedendum_coefficient)).map(|(root, dedendum)| {
+            let above = 0.5 * root.middle() * MM - g.reference_radius();
+            above / g.normal_module + g.kappa() * dedendum
+        });
         let nominal = shift.or(at_root).unwrap_or(generating);
         g.profile_shift = nominal;
         let thinner = thickness_on_base(&g, g.half_base_angle()) - s;
@@ -292,7 +268,6 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
         }
         g.tooth_thinning =
             thinner.max(0.0) * g.transverse_pressure_angle().cos() / g.helix_angle.cos();
-        thinning = Some(g.tooth_thinning);
         shift = Some(g.profile_shift);
         for (measure, field, other) in &thicknesses {
             let right = measure.of(&g).unwrap_or(f64::NAN);
@@ -302,16 +277,9 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
         }
     }
     g.profile_shift = shift.unwrap_or(0.0);
-    let dedendum = dedendum(&given, &g, i)?;
-    let target = if i == 0 {
-        &mut file.gear1
-    } else {
-        &mut file.gear2
-    };
-    (target.profile_shift, target.profile_shift_iso_21771) = (shift, None);
-    target.dedendum_coefficient = dedendum;
-    let built = gear(file, i);
-    let (root, tip) = (built.root_radius(), built.tip_radius);
+    g.dedendum_coefficient = dedendum(given, &g, i)?;
+    set_circles(given, &mut g);
+    let (root, tip) = (g.root_radius(), g.tip_radius);
     let [low, high] = [root.min(tip), root.max(tip)].map(|radius| 2.0 * radius / MM);
     for (measure, field, value) in thicknesses {
         if let Some(radius) = measure.contact_radius(&g, value.middle() * MM) {
@@ -321,7 +289,7 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
                 "check the gauge, `tip_diameter_mm` and `root_diameter_mm`");
         }
     }
-    Ok(thinning)
+    Ok(g)
 }
 
 /// The profile shift given by either of its fields, > 0 as in `profile_shift`.
@@ -334,17 +302,13 @@ fn given_shift(given: &GearFile, kappa: f64, i: usize) -> Result<Option<f64>, Re
     Ok(given.profile_shift.or(iso.map(|x| kappa * x)))
 }
 
-/// The dedendum coefficient given, or that of the root diameter, which must fit.
-fn dedendum(given: &GearFile, g: &Gear, i: usize) -> Result<Option<f64>, Refusal> {
+/// The dedendum coefficient of `g`, or that of the root diameter, which must fit one that is given.
+fn dedendum(given: &GearFile, g: &Gear, i: usize) -> Result<f64, Refusal> {
     let Some(root) = given.root_diameter_mm else {
-        return Ok(given.dedendum_coefficient);
+        return Ok(g.dedendum_coefficient);
     };
     let name = in_gear(i, "root_diameter_mm");
-    let usual = Gear {
-        dedendum_coefficient: given.dedendum_coefficient.unwrap_or(1.25),
-        ..g.clone()
-    };
-    let (x, right) = (g.profile_shift, 2.0 * usual.root_radius());
+    let (x, right) = (g.profile_shift, 2.0 * g.root_radius());
     if let Some(dedendum) = given.dedendum_coefficient {
         let most = ROUNDING_OF_ROOT + root.slack() * MM;
         ensure!((root.middle() * MM - right).abs() <= most, name => root;
@@ -355,6 +319,6 @@ fn dedendum(given: &GearFile, g: &Gear, i: usize) -> Result<Option<f64>, Refusal
         / g.normal_module;
     ensure!(deep > 0.0 && deep <= 3.0, name => root;
         "means a dedendum of {deep:.3} modules with the profile shift {x:.4}, and must be above 0 and at most 3";
-        "check it: a dedendum of {} gives {:.3} mm", usual.dedendum_coefficient, right / MM);
-    Ok(Some(deep))
+        "check it: a dedendum of {} gives {:.3} mm", g.dedendum_coefficient, right / MM);
+    Ok(deep)
 }

@@ -1,27 +1,49 @@
-//! Flanks of the file: modifications, resolved to lengths of roll, and topographies from a measuring machine or a design
-//! program.
+//! Flanks of the file: modifications, resolved to lengths of roll, topographies from a measuring machine or a design program,
+//! and teeth that differ from each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::checks::{STEEPEST, about, in_gear, remedy};
-use super::error::{Refusal, ensure, refusal};
-use super::file::{EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, UM};
+use super::checks::{STEEPEST, about, check, in_gear, limits, remedy};
+use super::file::{
+    EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, ToothErrorsFile, ToothFlank,
+    UM,
+};
 use super::mesh::short_tooth;
-use super::text;
+use super::{Refusal, ensure, refusal, text};
+use gearmesh::gear::tolerance::{CLASSES, random_index_errors};
 use gearmesh::gear::{
-    EndRelief, Flank, Gear, Microgeometry, PairGeometry, ProfileCrowning, ProfileRelief,
-    ProfileSlope, Topography,
+    BothFlanks, EndRelief, Flank, Gear, Microgeometry, OwnFlank, PairGeometry, PairMicrogeometry,
+    PairTeeth, ProfileCrowning, ProfileRelief, ProfileSlope, Runout, ToothErrors, Topography,
+    WeakTooth,
 };
 use gearmesh::words::{number, rounded};
 
+/// Modifications and tooth errors of both gears. Files that the file names are sought in `folder`.
+pub(super) fn of_pair(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    folder: &Path,
+) -> Result<(PairMicrogeometry, PairTeeth), Refusal> {
+    let gear = |i| Flanks {
+        file,
+        geometry,
+        folder,
+        i,
+    };
+    let modified = BothFlanks::try_from_fn(|flank, i| gear(i).microgeometry(flank))?;
+    let teeth =
+        BothFlanks::try_from_fn(|flank, i| gear(i).tooth_errors(flank, &modified.flank(flank)[i]))?;
+    Ok((modified, teeth))
+}
+
 /// Flanks of gear `i`.
-pub(super) struct Flanks<'a> {
-    pub file: &'a PairFile,
-    pub geometry: &'a PairGeometry,
+struct Flanks<'a> {
+    file: &'a PairFile,
+    geometry: &'a PairGeometry,
     /// Where files are sought.
-    pub folder: &'a Path,
-    pub i: usize,
+    folder: &'a Path,
+    i: usize,
 }
 
 impl Flanks<'_> {
@@ -44,21 +66,18 @@ impl Flanks<'_> {
     }
 
     /// Modifications of `flank`, field by field: what it has of its own, else what the gear has for both.
-    pub fn microgeometry(&self, flank: Flank) -> Result<Microgeometry, Refusal> {
+    fn microgeometry(&self, flank: Flank) -> Result<Microgeometry, Refusal> {
         let [(_, both), drive, coast] = self.file.gear(self.i).flanks();
         let (name, own) = if flank == Flank::Drive { drive } else { coast };
-        let path = |prefix: &str, field: &str| in_gear(self.i, prefix) + field;
-        let rolls = self.active();
-        let relief = |field: fn(&FlankFile) -> &Option<ReliefFile>, of: &str, end: f64| match (
-            field(&own),
-            field(&both),
-        ) {
-            (Some(r), _) => self.relief(r, &path(name, of), end),
-            (None, Some(r)) => self.relief(r, &path("", of), end),
-            (None, None) => Ok(None),
-        };
-        let um =
-            |field: fn(&FlankFile) -> Option<f64>| field(&own).or(field(&both)).unwrap_or(0.0) * UM;
+        // What is given as this field, and its path.
+        macro_rules! given {
+            ($field:ident) => {{
+                let path = |prefix: &str| in_gear(self.i, prefix) + stringify!($field);
+                let own = own.$field.as_ref().map(|value| (path(name), value));
+                own.or_else(|| Some((path(""), both.$field.as_ref()?)))
+            }};
+        }
+        let um = |given: Option<(String, &f64)>| given.map_or(0.0, |(_, um)| um * UM);
         let end = |field: fn(&FlankFile) -> &Option<EndReliefFile>| {
             let [own, both] = [&own, &both].map(|f| field(f).as_ref().or(f.end_relief.as_ref()));
             let relief = own.or(both).filter(|r| r.amount_um > 0.0)?;
@@ -68,40 +87,39 @@ impl Flanks<'_> {
                 shape: relief.shape,
             })
         };
+        let rolls = self.active();
         let slope = ProfileSlope {
-            amount: um(|f| f.profile_slope_um),
-            bias: um(|f| f.bias_um),
+            amount: um(given!(profile_slope_um)),
+            bias: um(given!(bias_um)),
             rolls,
         };
         let crowning = ProfileCrowning {
-            amount: um(|f| f.profile_crowning_um),
+            amount: um(given!(profile_crowning_um)),
             rolls,
         };
-        let file = "topography_file";
-        let topography = match (&own.topography_file, &both.topography_file) {
-            (Some(csv), _) => Some(self.topography(csv, &path(name, file))?),
-            (None, Some(csv)) => Some(self.topography(csv, &path("", file))?),
-            (None, None) => None,
-        };
+        let topography = given!(topography_file);
+        let topography = topography.map(|(path, csv)| self.topography(csv, &path));
         Ok(Microgeometry {
-            tip_relief: relief(|f| &f.tip_relief, "tip_relief", rolls[1])?,
-            root_relief: relief(|f| &f.root_relief, "root_relief", rolls[0])?,
+            topography: topography.transpose()?,
+            tip_relief: self.relief(given!(tip_relief), rolls[1])?,
+            root_relief: self.relief(given!(root_relief), rolls[0])?,
             profile_crowning: (crowning.amount != 0.0).then_some(crowning),
             profile_slope: (slope.amount != 0.0 || slope.bias != 0.0).then_some(slope),
-            lead_crowning: um(|f| f.lead_crowning_um),
-            lead_slope: um(|f| f.lead_slope_um),
+            lead_crowning: um(given!(lead_crowning_um)),
+            lead_slope: um(given!(lead_slope_um)),
             end_relief: [end(|f| &f.lower_end_relief), end(|f| &f.upper_end_relief)],
-            topography,
         })
     }
 
-    /// The relief at `path` that ends at the length of roll `end_roll`, m; none without an amount.
+    /// The relief given with its path, which ends at the length of roll `end_roll`, m; none without an amount.
     fn relief(
         &self,
-        r: &ReliefFile,
-        path: &str,
+        given: Option<(String, &ReliefFile)>,
         end_roll: f64,
     ) -> Result<Option<ProfileRelief>, Refusal> {
+        let Some((path, r)) = given else {
+            return Ok(None);
+        };
         let (g, gear) = (self.geometry, self.gear());
         let base = gear.base_radius();
         let tip = gear.tip_form_roll();
@@ -150,7 +168,7 @@ impl Flanks<'_> {
 
     /// The topography in the file `name`, which the field `field` names: CSV with the columns `roll_mm` (or `diameter_mm`),
     /// `z_mm` and `removal_um`, one row for every point of a full grid, in any order.
-    pub fn topography(&self, name: &str, field: &str) -> Result<Topography, Refusal> {
+    fn topography(&self, name: &str, field: &str) -> Result<Topography, Refusal> {
         let (path, gear, active) = (self.folder.join(name), self.gear(), self.active_range());
         let shown = path.display().to_string();
         let text = text::read(&path).map_err(|error| {
@@ -182,6 +200,58 @@ impl Flanks<'_> {
             "give lines at about equal distances, a grid that covers the whole active profile and the whole face, and smooth \
              values that jump from one line to the next");
         Ok(grid)
+    }
+
+    /// Tooth errors of `flank`, on which the other teeth have the modifications `nominal`.
+    fn tooth_errors(&self, flank: Flank, nominal: &Microgeometry) -> Result<ToothErrors, Refusal> {
+        let Some(given) = &self.file.gear(self.i).tooth_errors else {
+            return Ok(ToothErrors::default());
+        };
+        let gear = self.gear();
+        let path = in_gear(self.i, "tooth_errors.");
+        limits! { path, given;
+            runout_um: [0.0, largest(gear)];
+            runout_angle_deg: [-360.0, 360.0];
+        }
+        let mut errors = ToothErrors {
+            index: index(given, gear, flank, &path)?,
+            runout: (given.runout_um > 0.0).then(|| Runout {
+                amount: given.runout_um * UM,
+                angle: given.runout_angle_deg.to_radians(),
+            }),
+            ..ToothErrors::default()
+        };
+        let other = match flank {
+            Flank::Drive => ToothFlank::Coast,
+            Flank::Coast => ToothFlank::Drive,
+        };
+        for (place, own) in given.teeth.iter().enumerate() {
+            let (path, tooth) = (format!("{path}teeth[{place}]."), own.tooth);
+            check(
+                &format!("{path}tooth"),
+                f64::from(tooth),
+                [0.0, gear.z() - 1.0],
+            )?;
+            let is_again = given.teeth[..place].iter().any(|t| t.tooth == tooth);
+            ensure!(!is_again, format!("{path}tooth") => tooth;
+                "stands in the list twice"; "give a tooth once, with all that is its own");
+            limits! { path, own; compliance_factor: [1.0, LARGEST_FACTOR]; }
+            let factor = own.compliance_factor;
+            if factor > 1.0 {
+                errors.weak.push(WeakTooth { tooth, factor });
+            }
+            let file = own.topography_file.as_ref();
+            if let Some(file) = file.filter(|_| own.flank != other) {
+                let topography = self.topography(file, &format!("{path}topography_file"))?;
+                let mut microgeometry = nominal.clone();
+                microgeometry.topography = Some(topography);
+                errors.flanks.push(OwnFlank {
+                    tooth,
+                    microgeometry,
+                });
+            }
+        }
+        Ok(errors)
     }
 }
 
@@ -248,4 +318,61 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
     let removal: Vec<f64> = rows.into_values().collect();
     let removal = removal.chunks(lines[1]).map(<[f64]>::to_vec).collect();
     Topography::new(rolls, zs, removal).map_err(|error| error.to_string())
+}
+
+/// Largest compliance factor: a tooth that is all but gone.
+const LARGEST_FACTOR: f64 = 100.0;
+
+/// Largest index error and run-out, um.
+fn largest(gear: &Gear) -> f64 {
+    0.05 * gear.normal_module / UM
+}
+
+/// Index errors of the flank, m.
+fn index(
+    given: &ToothErrorsFile,
+    gear: &Gear,
+    flank: Flank,
+    path: &str,
+) -> Result<Vec<f64>, Refusal> {
+    let (part, given) = match flank {
+        Flank::Drive => ("drive_flank", &given.drive_flank),
+        Flank::Coast => ("coast_flank", &given.coast_flank),
+    };
+    let Some(given) = given else {
+        return Ok(Vec::new());
+    };
+    let (path, most) = (format!("{path}{part}"), largest(gear));
+    let (list, class) = (&given.cumulative_pitch_um, given.pitch_class);
+    let problem = match (list, class) {
+        (Some(list), None) => {
+            let path = format!("{path}.cumulative_pitch_um");
+            ensure!(list.len() == gear.teeth as usize, path => format!("{} numbers", list.len());
+                "the gear has {} teeth", gear.teeth; "give one number for every tooth");
+            for (tooth, um) in list.iter().enumerate() {
+                check(&format!("{path}[{tooth}]"), *um, [-most, most])?;
+            }
+            let all_zero = list.iter().all(|um| *um == 0.0);
+            let errors = list.iter().filter(|_| !all_zero).map(|um| um * UM);
+            return Ok(errors.collect());
+        }
+        (None, Some(class)) => {
+            let path = format!("{path}.pitch_class");
+            let classes = [*CLASSES.start(), *CLASSES.end()].map(f64::from);
+            check(&path, f64::from(class), classes)?;
+            let errors = random_index_errors(gear, class, given.seed);
+            let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.abs())) / UM;
+            ensure!(largest <= most, path => class;
+                "gives index errors above a twentieth of the normal module, {} um", rounded(most);
+                "give a finer class");
+            return Ok(errors);
+        }
+        (Some(_), Some(_)) => {
+            "`cumulative_pitch_um` and `pitch_class` both say what the errors are"
+        }
+        (None, None) => "says nothing of the errors",
+    };
+    let value = if list.is_some() { "two sources" } else { "{}" };
+    Err(refusal!(path => value; "{problem}";
+        "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`"))
 }

@@ -1,44 +1,50 @@
 //! A gear of the file on its own: teeth as its fields have them, rim, web and hub, and what a ring rests on.
 
-use super::checks::{ABOVE_0, check, in_gear};
-use super::error::{Refusal, ensure, refusal};
+use super::checks::{ABOVE_0, about, check, check_with_usual, in_gear, limits, meant};
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
-use gearmesh::gear::{Body, Gear, GearKind, Stub};
+use super::{Refusal, ensure, refusal};
+use gearmesh::gear::{
+    Body, Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, Stub, ToothProfile,
+    inverse_involute,
+};
 use gearmesh::words::rounded;
 
-/// Gear `i` with neither backlash nor a body of its own.
-pub(super) fn gear(file: &PairFile, i: usize) -> Gear {
+/// Gear `i` with a helix angle of `helix` degrees on gear 1 and no profile shift, without circles at tip and bore
+/// ([`set_circles`]), backlash and a body of its own.
+pub(super) fn unshifted(file: &PairFile, i: usize, helix: f64) -> Gear {
     let g = file.gear(i);
-    let helix_angle = file.helix_angle_deg.unwrap_or(0.0);
-    let hand1 = if helix_angle < 0.0 { -1.0 } else { 1.0 };
+    let hand1 = if helix < 0.0 { -1.0 } else { 1.0 };
     // Gear 2 of an external pair has the other hand.
     let is_other = i == 1 && file.meshing == Meshing::External;
     let offset = file.face_offset_mm.filter(|_| i == 1);
-    let kind = match file.ring() == Some(i) {
-        true => GearKind::Ring,
-        false => GearKind::External,
-    };
-    let mut gear = Gear {
-        kind,
+    Gear {
+        kind: match file.ring() == Some(i) {
+            true => GearKind::Ring,
+            false => GearKind::External,
+        },
         teeth: g.teeth,
         hand: if is_other { -hand1 } else { hand1 },
         normal_module: file.normal_module_mm * MM,
         normal_pressure_angle: file.normal_pressure_angle_deg.to_radians(),
-        helix_angle: helix_angle.abs().to_radians(),
-        profile_shift: g.profile_shift.unwrap_or(0.0),
+        helix_angle: helix.abs().to_radians(),
+        profile_shift: 0.0,
         face_width: g.face_width_mm * MM,
         face_offset: offset.unwrap_or(0.0) * MM,
-        tip_radius: 0.0,
+        tip_radius: f64::NAN,
         dedendum_coefficient: g.dedendum_coefficient.unwrap_or(1.25),
         tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
-        held_radius: 0.0,
+        held_radius: f64::NAN,
         body: None,
         foundation: None,
         tooth_thinning: 0.0,
         tip_chamfer: 0.0,
         youngs_modulus: g.youngs_modulus_gpa * 1e9,
         poisson_ratio: g.poisson_ratio,
-    };
+    }
+}
+
+/// Sets tip circle, tip form circle, and bore or outer rim.
+pub(super) fn set_circles(g: &GearFile, gear: &mut Gear) {
     let radius = |diameter_mm: f64| 0.5 * diameter_mm * MM;
     let addendum = gear.kappa() * g.addendum_coefficient.unwrap_or(1.0);
     let tip = gear.reference_radius() + gear.normal_module * (gear.profile_shift + addendum);
@@ -47,12 +53,97 @@ pub(super) fn gear(file: &PairFile, i: usize) -> Gear {
         gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
     }
     let root = gear.root_radius();
-    let (held, usual) = match kind {
+    let (held, usual) = match gear.kind {
         GearKind::External => (g.bore_diameter_mm, 0.5 * root),
         GearKind::Ring => (g.rim_diameter_mm, root + 3.5 * gear.normal_module),
     };
     gear.held_radius = held.map_or(usual, radius);
-    gear
+}
+
+/// The field that sets the tip circle of gear `i`, and its value.
+pub(super) fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
+    let g = file.gear(i);
+    let default = format!("{:.3} (default)", 2.0 * gear.tip_radius / MM);
+    let (name, value) = match (g.tip_diameter_mm, g.addendum_coefficient) {
+        (Some(mm), _) => ("tip_diameter_mm", mm.to_string()),
+        (None, Some(addendum)) => ("addendum_coefficient", addendum.to_string()),
+        (None, None) => ("tip_diameter_mm", default),
+    };
+    (in_gear(i, name), value)
+}
+
+/// Smallest bore over the root diameter. About a bore held rigidly the body turns the farther the smaller it is, here
+/// thousands of times as far as teeth bend; of less rounding leaves nothing.
+const LEAST_BORE: f64 = 1e-3;
+
+/// The tooth profile of gear `i`, checked against bore or rim.
+pub(super) fn profile(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothProfile, Refusal> {
+    let profile = ToothProfile::new(gear).map_err(|error| profile_refusal(file, gear, i, error))?;
+    // No more than the tip leaves of a tooth, and no less than a rounding of the file.
+    ensure!((-1e-9..0.5 * gear.normal_module).contains(&gear.tip_chamfer),
+        in_gear(i, "tip_form_diameter_mm") => 2.0 * gear.tip_form_radius() / MM;
+        "is the end of the involute of tips with the diameter {:.3} mm", 2.0 * gear.tip_radius / MM;
+        "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter");
+    // The held surface leaves a wall to the root circle, and is no point.
+    let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
+    let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;
+    let (name, usual, range) = match gear.kind {
+        GearKind::External => ("bore", 0.5 * root, [LEAST_BORE * root, root - wall]),
+        GearKind::Ring => ("rim", 1.1 * root, [root + wall, 1e5]),
+    };
+    let name = in_gear(i, name) + "_diameter_mm";
+    check_with_usual(&name, rounded(held), range, about(usual))?;
+    Ok(profile)
+}
+
+fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
+    let (tip, value) = tip_field(file, gear, i);
+    let usual = about(2.0 * usual_tip_radius(gear) / MM);
+    let given = file.gear(i).tip_diameter_mm;
+    if let Some(meant) = given.and_then(|mm| meant("tip_diameter_mm", mm, usual)) {
+        return refusal!(tip => value; "{error}"; "give it in the unit of the name: {meant}");
+    }
+    let base = 2.0 * gear.base_radius() / MM;
+    match error {
+        ProfileError::PointedTooth => {
+            let alpha = inverse_involute(gear.half_base_angle());
+            let limit = match gear.kind {
+                GearKind::External => format!("below {:.3}", base / alpha.cos()),
+                GearKind::Ring => "larger".into(),
+            };
+            refusal!(tip => value; "{error}"; "choose a tip diameter {limit} mm, or another `profile_shift`")
+        }
+        ProfileError::NoInvolute => {
+            refusal!(tip => value; "{error}"; "check the tip diameter, `dedendum_coefficient` and `profile_shift`")
+        }
+        ProfileError::TipInsideBase => {
+            refusal!(tip => value; "{error}"; "choose a tip diameter above {base:.3} mm, or more teeth")
+        }
+        ProfileError::RoundTooLarge => {
+            refusal!(in_gear(i, "tool_tip_radius_coefficient") => gear.tool_tip_radius_coefficient;
+                "{error}"; "choose a smaller radius or a smaller `dedendum_coefficient`")
+        }
+        ProfileError::RootCircle => {
+            refusal!(in_gear(i, "dedendum_coefficient") => gear.dedendum_coefficient;
+                "{error}"; "choose another dedendum, more teeth or another `profile_shift`")
+        }
+    }
+}
+
+/// Radius of tips with an addendum of one module, m.
+pub(super) fn usual_tip_radius(gear: &Gear) -> f64 {
+    gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa())
+}
+
+/// A note on a bore that is no more than a pin hole.
+pub(super) fn small_bore(geometry: &PairGeometry, i: usize) -> Option<String> {
+    let gear = &geometry.gears[i];
+    let [mm, root] = [gear.held_radius, gear.root_radius()].map(|radius| 2e3 * radius);
+    let (name, mm) = (in_gear(i, "bore_diameter_mm"), rounded(mm));
+    let other = "give the diameter of the hub at which the gear is held, or `shaft` if its teeth are cut from one";
+    let meant = meant(&name, mm, about(0.5 * root)).unwrap_or_else(|| other.into());
+    (gear.body.is_none() && mm < 0.02 * root)
+        .then(|| format!("`{name}` = {mm} is a suspicious value: {meant}"))
 }
 
 /// Gives `gear` its body and foundation.
@@ -117,44 +208,54 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
     let check = |name: &str, mm: f64, range| check(&in_gear(i, name), mm, range);
     check("rim_thickness_mm", rim, [least_rim, 0.5 * root])?;
     check("web_thickness_mm", web, [least, width])?;
-    let offset = g.web_offset_mm.unwrap_or(0.0);
-    let (face, middle) = (Extent([0.0, width]), 0.5 * width);
-    let web = Extent::about(middle + offset, web);
-    ensure!(face.encloses(web), in_gear(i, "web_offset_mm") => offset;
-        "puts the web at {web}, beyond the face, {face}"; "give the middle of the web less mid-face");
-    let web = Extent([web.0[0].max(0.0), web.0[1].min(width)]);
-    let mut hub = web;
-    let inside = root - 2.0 * rim;
-    let (mut innermost, mut name, mut value, mut part) =
-        (bore, "rim_thickness_mm", rim, "the bore");
+    let (middle, offset) = (0.5 * width, g.web_offset_mm.unwrap_or(0.0));
+    let (face, web) = ([0.0, width], about_middle(middle + offset, web));
+    ensure!(encloses(face, web), in_gear(i, "web_offset_mm") => offset;
+        "puts the web at {}, beyond the face, {}", shown(web), shown(face); "give the middle of the web less mid-face");
+    let web = [web[0].max(0.0), web[1].min(width)];
     let hub_width = g.hub_width_mm.map(|mm| ("hub_width_mm", mm));
     let hub_offset = g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm));
+    let (mut hub, mut inner) = (web, ("rim_thickness_mm", rim, "the bore", bore));
     if let Some(diameter) = g.hub_diameter_mm {
         check("hub_diameter_mm", diameter, [bore + 2.0 * least, root])?;
         let length = g.hub_width_mm.unwrap_or(width);
         check("hub_width_mm", length, [ABOVE_0, longest])?;
-        hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
+        hub = about_middle(middle + g.hub_offset_mm.unwrap_or(0.0), length);
         let (field, offset) = hub_offset.unwrap_or(("hub_width_mm", length));
-        ensure!(hub.encloses(web), in_gear(i, field) => offset;
-            "the web, {web}, ends beyond the hub, {hub}"; "choose a hub that encloses the web");
-        hub = Extent([hub.0[0].min(web.0[0]), hub.0[1].max(web.0[1])]);
-        (innermost, name, value, part) = (diameter, "hub_diameter_mm", diameter, "the hub");
+        ensure!(encloses(hub, web), in_gear(i, field) => offset;
+            "the web, {}, ends beyond the hub, {}", shown(web), shown(hub); "choose a hub that encloses the web");
+        hub = [hub[0].min(web[0]), hub[1].max(web[1])];
+        inner = ("hub_diameter_mm", diameter, "the hub", diameter);
     } else if let Some((name, value)) = hub_width.or(hub_offset) {
         return Err(refusal!(in_gear(i, name) => value;
             "`hub_diameter_mm` is not given"; "give it, or leave this out for a web that reaches down to the bore"));
     }
+    let (inside, (name, value, part, innermost)) = (root - 2.0 * rim, inner);
     ensure!(inside >= innermost + 2.0 * least, in_gear(i, name) => value;
         "the inside of the rim has the diameter {inside:.3} mm and leaves no web outside of {part} of {innermost:.3} mm";
         "choose a thinner rim or a smaller hub or bore; for a full disc leave rim, web and hub out");
+    let hub_radius = g.hub_diameter_mm.map(|mm| 0.5 * mm * MM);
     Ok(Body {
         rim_radius: 0.5 * inside * MM,
-        web: web.0.map(|z| z * MM),
-        hub_radius: g
-            .hub_diameter_mm
-            .map_or(gear.held_radius, |mm| 0.5 * mm * MM),
-        hub: hub.0.map(|z| z * MM),
+        web: web.map(|z| z * MM),
+        hub_radius: hub_radius.unwrap_or(gear.held_radius),
+        hub: hub.map(|z| z * MM),
         held_ends: [false; 2],
     })
+}
+
+/// Both ends along the axis of a part of this width.
+fn about_middle(middle: f64, width: f64) -> [f64; 2] {
+    [middle - 0.5 * width, middle + 0.5 * width]
+}
+
+/// Half a micrometre is the rounding of a drawing.
+fn encloses(outer: [f64; 2], inner: [f64; 2]) -> bool {
+    outer[0] - 5e-4 <= inner[0] && inner[1] <= outer[1] + 5e-4
+}
+
+fn shown([low, high]: [f64; 2]) -> String {
+    format!("z {} to {} mm", rounded(low), rounded(high))
 }
 
 /// Bore of a shaft that is called solid, over the diameter of its thinner piece: it makes the shaft 1e-4 softer.
@@ -169,17 +270,10 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
     let pieces = [("lower", shaft.lower), ("upper", shaft.upper)];
     for (name, piece) in pieces {
         let Some(piece) = piece else { continue };
-        let path = in_gear(i, &format!("shaft.{name}"));
-        check(
-            &format!("{path}.diameter_mm"),
-            piece.diameter_mm,
-            [thinnest, thickest],
-        )?;
-        check(
-            &format!("{path}.length_mm"),
-            piece.length_mm,
-            [wall, longest],
-        )?;
+        limits! { in_gear(i, &format!("shaft.{name}.")), piece;
+            diameter_mm: [thinnest, thickest];
+            length_mm: [wall, longest];
+        }
     }
     let held = match (shaft.held, shaft.lower, shaft.upper) {
         (Some(held), ..) => [held != HeldEnds::Upper, held != HeldEnds::Lower],
@@ -205,25 +299,4 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
         gear.held_radius = BORE_OF_SOLID * body.hub_radius;
     }
     Ok(body)
-}
-
-/// Both ends of a part along the axis, mm.
-#[derive(Clone, Copy)]
-struct Extent([f64; 2]);
-
-impl Extent {
-    fn about(middle: f64, width: f64) -> Extent {
-        Extent([middle - 0.5 * width, middle + 0.5 * width])
-    }
-
-    /// Half a micrometre is the rounding of a drawing.
-    fn encloses(self, inner: Extent) -> bool {
-        self.0[0] - 5e-4 <= inner.0[0] && inner.0[1] <= self.0[1] + 5e-4
-    }
-}
-
-impl std::fmt::Display for Extent {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "z {} to {} mm", rounded(self.0[0]), rounded(self.0[1]))
-    }
 }

@@ -1,96 +1,119 @@
 //! What can only be said of the gears as built and of the pair in mesh.
 
-use super::checks::{about, check_with_usual, in_gear, meant};
-use super::error::{Refusal, ensure, refusal};
+use super::checks::{in_gear, note, remedy};
 use super::file::{MM, PairFile, UM};
-use gearmesh::gear::{
-    Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, ToothProfile, inverse_involute,
-    involute,
-};
-use gearmesh::words::rounded;
+use super::gears::{self, tip_field, usual_tip_radius};
+use super::{Refusal, ensure, refusal};
+use gearmesh::gear::{Gear, GearKind, PairGeometry, ToothProfile, involute};
+use gearmesh::words::{number, rounded};
 
-/// The field that sets the tip circle of gear `i`, and its value.
-fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
-    let g = file.gear(i);
-    match (g.tip_diameter_mm, g.addendum_coefficient) {
-        (None, Some(addendum)) => (in_gear(i, "addendum_coefficient"), addendum.to_string()),
-        (given, _) => {
-            let default = || format!("{:.3} (default)", 2.0 * gear.tip_radius / MM);
-            let value = given.map_or_else(default, |mm| mm.to_string());
-            (in_gear(i, "tip_diameter_mm"), value)
+/// The ring's default tip: where an addendum of one module would run into the pinion's fillet at some
+/// centre distance of the range, the ring's teeth are shortened so that contact starts at least 0.02
+/// modules of roll above it. A note if they are.
+pub(super) fn shorten_default_ring(
+    file: &PairFile,
+    geometry: &mut PairGeometry,
+) -> Result<Option<String>, Refusal> {
+    let is_default = |ring: &usize| file.gear(*ring).has_default_tip();
+    let Some(ring) = geometry.ring().filter(is_default) else {
+        return Ok(None);
+    };
+    let pinion = 1 - ring;
+    let form = gears::profile(file, &geometry.gears[pinion], pinion)?.form_roll();
+    let start = form + 0.02 * geometry.gears[pinion].normal_module;
+    let standard = geometry.gears[ring].tip_radius;
+    for um in file.operating.center_distance_offset_um {
+        let c = geometry.center_distance + um * UM;
+        // Not a number where the addendum ends inside the ring's base circle: shortened, too.
+        if geometry.active_start_roll(pinion, c) >= start {
+            continue;
         }
+        let xi = geometry.distance_at_roll(pinion, c, start);
+        let tip = geometry.gears[ring].radius_at_roll(geometry.roll_at(ring, c, xi));
+        geometry.gears[ring].tip_radius = tip;
     }
+    let shortened = &mut geometry.gears[ring];
+    if shortened.tip_radius == standard {
+        return Ok(None);
+    }
+    if let Some(mm) = file.gear(ring).tip_form_diameter_mm {
+        shortened.tip_chamfer = 0.5 * mm * MM - shortened.tip_radius;
+    }
+    Ok(Some(format!(
+        "gear {}: the tips of the ring are shortened from {:.3} to {:.3} mm diameter to clear the fillets of the pinion; \
+         `tip_diameter_mm` says otherwise",
+        ring + 1,
+        2.0 * standard / MM,
+        2.0 * shortened.tip_radius / MM
+    )))
 }
 
-/// Smallest bore over the root diameter. About a bore held rigidly the body turns the farther the smaller it is, here
-/// thousands of times as far as teeth bend; of less rounding leaves nothing.
-const LEAST_BORE: f64 = 1e-3;
-
-/// The tooth profile of gear `i`, checked against bore or rim.
-pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothProfile, Refusal> {
-    let profile = ToothProfile::new(gear).map_err(|error| profile_refusal(file, gear, i, error))?;
-    // No more than the tip leaves of a tooth, and no less than a rounding of the file.
-    ensure!((-1e-9..0.5 * gear.normal_module).contains(&gear.tip_chamfer),
-        in_gear(i, "tip_form_diameter_mm") => 2.0 * gear.tip_form_radius() / MM;
-        "is the end of the involute of tips with the diameter {:.3} mm", 2.0 * gear.tip_radius / MM;
-        "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter");
-    // The held surface leaves a wall to the root circle, and is no point.
-    let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
-    let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;
-    let (name, usual, range) = match gear.kind {
-        GearKind::External => (
-            "bore_diameter_mm",
-            0.5 * root,
-            [LEAST_BORE * root, root - wall],
-        ),
-        GearKind::Ring => ("rim_diameter_mm", 1.1 * root, [root + wall, 1e5]),
-    };
-    check_with_usual(&in_gear(i, name), rounded(held), range, about(usual))?;
-    Ok(profile)
+/// Faces that share no part are refused; notes on faces of different width that are flush at one end because
+/// nothing else was given, and on those that share less than half of the narrower one.
+pub(super) fn check_faces(
+    file: &PairFile,
+    geometry: &PairGeometry,
+) -> Result<Vec<String>, Refusal> {
+    let offset = file.face_offset_mm.unwrap_or(0.0);
+    let [b1, b2] = [file.gear1.face_width_mm, file.gear2.face_width_mm];
+    let shared = geometry.face_overlap().1 / MM;
+    ensure!(shared > 0.0, "face_offset_mm" => offset;
+        "the faces, {b1} mm and {b2} mm wide, do not overlap";
+        "give gear 2's z = 0 face minus gear 1's, so that the faces share a part");
+    let mut notes = Vec::new();
+    if b1 != b2 && file.face_offset_mm.is_none() {
+        let middle = rounded(0.5 * (b1 - b2));
+        notes.push(format!("the faces, {b1} and {b2} mm wide, are flush at z = 0; `face_offset_mm` = {middle} lets them share their middle"));
+    }
+    if shared < 0.5 * b1.min(b2) {
+        let shared = rounded(shared);
+        notes.push(format!("`face_offset_mm` = {offset} leaves only {shared} mm of the faces in mesh, {b1} and {b2} mm wide"));
+    }
+    Ok(notes)
 }
 
-fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
-    let base = 2.0 * gear.base_radius() / MM;
-    let usual = about(2.0 * usual_tip_radius(gear) / MM);
-    let given = file.gear(i).tip_diameter_mm;
-    let meant = given.and_then(|mm| meant("tip_diameter_mm", mm, usual));
-    let (mut field, mut value) = tip_field(file, gear, i);
-    let mut set =
-        |name, coefficient: f64| (field, value) = (in_gear(i, name), coefficient.to_string());
-    let remedy = match (meant, error) {
-        (Some(meant), _) => format!("give it in the unit of the name: {meant}"),
-        (None, ProfileError::PointedTooth) => {
-            let alpha = inverse_involute(gear.half_base_angle());
-            let limit = match gear.kind {
-                GearKind::External => format!("below {:.3}", base / alpha.cos()),
-                GearKind::Ring => "larger".into(),
-            };
-            format!("choose a tip diameter {limit} mm, or another `profile_shift`")
-        }
-        (None, ProfileError::NoInvolute) => {
-            "check the tip diameter, `dedendum_coefficient` and `profile_shift`".into()
-        }
-        (None, ProfileError::TipInsideBase) => {
-            format!("choose a tip diameter above {base:.3} mm, or more teeth")
-        }
-        (None, ProfileError::RoundTooLarge) => {
-            set(
-                "tool_tip_radius_coefficient",
-                gear.tool_tip_radius_coefficient,
-            );
-            "choose a smaller radius or a smaller `dedendum_coefficient`".into()
-        }
-        (None, ProfileError::RootCircle) => {
-            set("dedendum_coefficient", gear.dedendum_coefficient);
-            "choose another dedendum, more teeth or another `profile_shift`".into()
-        }
-    };
-    refusal!(field => value; "{error}"; "{remedy}")
-}
+/// Line load per module (Pa) that is odd where it is less on steel teeth, which carry some hundred times as much, and
+/// beyond all materials.
+const USUAL_LOADS: [f64; 2] = [0.3e6, 1e9];
+/// No material carries a line load per module above this share of its Young's modulus: the root stress is three
+/// times as high.
+const IMPOSSIBLE_LOAD: f64 = 0.02;
 
-/// Radius of tips with an addendum of one module, m.
-fn usual_tip_radius(gear: &Gear) -> f64 {
-    gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa())
+/// Refuses torques that no teeth of the material could carry; a note where hardly any load is.
+pub(super) fn check_torques(
+    file: &PairFile,
+    geometry: &PairGeometry,
+) -> Result<Option<String>, Refusal> {
+    let [gear, mate] = &geometry.gears;
+    let modulus = gear.youngs_modulus.min(mate.youngs_modulus);
+    let most = IMPOSSIBLE_LOAD * modulus;
+    let shared = geometry.face_overlap().1;
+    // Torque on gear 1 under which the line load per module is one pascal over `width` of the face.
+    let per_load = |width: f64| gear.base_radius() * width * gear.normal_module;
+    let (nominal, maximum) = (
+        file.operating.nominal_torque_nm,
+        file.operating.maximum_torque_nm,
+    );
+    for (kind, torque) in [("nominal", nominal), ("maximum", maximum)] {
+        let name = format!("operating.{kind}_torque_nm");
+        let load = torque / per_load(shared);
+        // Whole faces would carry it, or so little is no face.
+        let whole = torque / per_load(gear.face_width.min(mate.face_width));
+        ensure!(load <= most || (whole > most && shared >= MM * file.normal_module_mm),
+            "face_offset_mm" => file.face_offset_mm.unwrap_or(0.0);
+            "leaves {} mm of the faces, {} and {} mm wide, in common, too little for `{name}` = {torque}",
+            number(rounded(shared / MM)), file.gear1.face_width_mm, file.gear2.face_width_mm;
+            "check it, gear 2's z = 0 face minus gear 1's, and both `face_width_mm`, in millimetres");
+        let usual = USUAL_LOADS.map(|load| load * per_load(shared));
+        let otherwise = "give the torque on gear 1 in N m, or wider faces";
+        let remedy = remedy(&name, torque, usual, otherwise);
+        ensure!(load <= most, name => torque;
+            "means {:.0} N per mm of face and mm of module, and no tooth of this material carries above {:.0}",
+            load * UM, most * UM;
+            "{remedy}");
+    }
+    let least = USUAL_LOADS[0] * modulus / 206e9 * per_load(shared);
+    Ok(note("operating.nominal_torque_nm", nominal, least))
 }
 
 /// The pair at one centre distance, m, with the field and value of the file that set it.
@@ -171,9 +194,8 @@ pub(super) fn short_tooth(
     });
     let i = usize::from(addendum[1] < addendum[0]);
     let (given, gear) = (file.gear(i), &geometry.gears[i]);
-    let is_default = given.tip_diameter_mm.is_none() && given.addendum_coefficient.is_none();
     let (tip, value) = tip_field(file, gear, i);
-    ensure!(is_default || addendum[i] >= SHORT_ADDENDUM, tip => value;
+    ensure!(given.has_default_tip() || addendum[i] >= SHORT_ADDENDUM, tip => value;
         "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm, and {failure}",
         addendum[i], 2.0 * usual_tip_radius(gear) / MM;
         "give the diameter of the tips{otherwise}");
@@ -191,12 +213,8 @@ impl InMesh<'_> {
             return Ok(());
         }
         let problem = format!("the total contact ratio is {total:.3}");
-        short_tooth(
-            self.file,
-            self.geometry,
-            &problem,
-            "; check module and tooth number, too",
-        )?;
+        let otherwise = "; check module and tooth number, too";
+        short_tooth(self.file, self.geometry, &problem, otherwise)?;
         Err(refusal!(self.field => &self.value;
             "{problem}, and below 1 teeth lose contact";
             "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face"))
@@ -220,31 +238,23 @@ impl InMesh<'_> {
         let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
         let form_roll = profile.form_roll();
         let start = geometry.active_start_roll(i, c);
-        let dip = if profile.is_undercut() {
-            0.0
-        } else {
-            DIP_INTO_FILLET
-        };
+        let is_undercut = profile.is_undercut();
+        let dip = if is_undercut { 0.0 } else { DIP_INTO_FILLET };
         if gear.kappa() * (start - form_roll) >= -dip * gear.normal_module {
             return Ok(());
         }
         // The mate's tip diameter that would just reach the start of the involute.
-        let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
-        let xi = (form_roll - geometry.roll_at(i, c, 0.0)) / side;
-        let limit = mate.radius_at_roll(geometry.roll_at(1 - i, c, xi).max(0.0));
-        let bound = if mate.kind == GearKind::Ring {
-            "at least"
-        } else {
-            "at most"
+        let xi = geometry.distance_at_roll(i, c, form_roll);
+        let limit = 2.0 * mate.radius_at_roll(geometry.roll_at(1 - i, c, xi).max(0.0)) / MM;
+        let bound = match mate.kind {
+            GearKind::Ring => "least",
+            GearKind::External => "most",
         };
-        let limit = format!(
-            "a `tip_diameter_mm` of {bound} {:.3} mm for gear {}",
-            2.0 * limit / MM,
-            2 - i
-        );
+        let number = 2 - i;
+        let limit = format!("a `tip_diameter_mm` of at {bound} {limit:.3} mm for gear {number}");
         let form = 2.0 * profile.form_radius() / MM;
         let begins = 2.0 * gear.base_radius().hypot(start) / MM;
-        if profile.is_undercut() {
+        if is_undercut {
             return Err(refusal!(in_gear(i, "profile_shift") => gear.profile_shift;
                 "undercut reaches the active profile: the involute starts at diameter {form:.3} mm, contact at {begins:.3} mm";
                 "choose a larger profile shift, more teeth, or {limit}"));
@@ -276,26 +286,21 @@ pub(super) fn check_tooth_difference(geometry: &PairGeometry) -> Result<(), Refu
 pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) -> Vec<String> {
     let mut out = Vec::new();
     for (i, gear) in geometry.gears.iter().enumerate() {
-        let (m, profile) = (gear.normal_module, &profiles[i]);
-        let mut note = |text: String| out.push(format!("gear {}: {text}", i + 1));
-        let land = profile.tip_land();
+        let (m, profile) = (gear.normal_module / MM, &profiles[i]);
+        let n = i + 1;
+        let (land, form) = (profile.tip_land() / MM, 2.0 * profile.form_radius() / MM);
+        let wall = gear.kappa() * (gear.root_radius() - gear.held_radius) / MM;
         if land < 0.2 * m {
-            note(format!(
-                "the tip land is {:.3} mm, below 0.2 modules",
-                land / MM
+            out.push(format!(
+                "gear {n}: the tip land is {land:.3} mm, below 0.2 modules"
             ));
         }
-        let wall = gear.kappa() * (gear.root_radius() - gear.held_radius);
         if wall < m && gear.foundation.is_none() {
-            let mm = wall / MM;
-            note(format!(
-                "only {mm:.3} mm, less than a module, between the root and the held surface"
-            ));
+            out.push(format!("gear {n}: only {wall:.3} mm, less than a module, between the root and the held surface"));
         }
         if profile.is_undercut() {
-            let form = 2.0 * profile.form_radius() / MM;
-            note(format!(
-                "undercut, the involute starts at diameter {form:.3} mm"
+            out.push(format!(
+                "gear {n}: undercut, the involute starts at diameter {form:.3} mm"
             ));
         }
     }

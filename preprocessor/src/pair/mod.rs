@@ -6,25 +6,88 @@
 mod backlash;
 mod checks;
 pub mod drawing;
-mod error;
 mod file;
 mod flanks;
 mod gears;
 mod mesh;
-mod resolve;
-mod teeth;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 pub use checks::TORQUES;
 pub use drawing::Gauges;
-pub use error::{PairError, Refusal};
-pub use resolve::note_on_teeth;
 
-use error::refusal;
-use gearmesh::pair::Pair;
+use checks::{LEAST_HELIX, in_gear, limits, suspicious};
+use file::{FrictionFile, FrictionLawFile, PairFile, UM};
+use gearmesh::friction::FrictionLaw;
+use gearmesh::gear::{PairGeometry, PairTeeth};
+use gearmesh::pair::{Operating, Pair};
 use serde_json::Value;
+
+/// A pair file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PairError {
+    /// The file cannot be read.
+    #[error(
+        "cannot read the pair file {}: {source}; name a pair file that exists and that you may read",
+        path.display()
+    )]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// Not JSON, or JSON of another form: unknown or missing field, wrong type.
+    #[error("pair file, at `{field}`: {message}; docs/pair-file.md has every field and its form")]
+    Form {
+        /// Path of the field, such as `gear1.tip_relief.shape`; `.` is the whole file.
+        field: String,
+        /// What is wrong, the names expected, line and column.
+        message: String,
+    },
+    /// Well-formed, but no gear pair that works.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+/// One value that cannot be, and what to do about it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("pair file: `{field}` = {value}: {problem}; {remedy}")]
+pub struct Refusal {
+    /// Path of the field, such as `gear1.teeth`.
+    pub field: String,
+    /// The value given, or the default that stood in for it, in the unit of the field.
+    pub value: String,
+    /// What is wrong with it.
+    pub problem: String,
+    /// What to change.
+    pub remedy: String,
+}
+
+/// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.
+macro_rules! refusal {
+    ($field:expr => $value:expr; $problem:literal $(, $p:expr)*; $remedy:literal $(, $r:expr)*) => {
+        $crate::pair::Refusal {
+            field: String::from($field),
+            value: gearmesh::words::shown(&($value).to_string()),
+            problem: format!($problem $(, $p)*),
+            remedy: format!($remedy $(, $r)*),
+        }
+    };
+}
+
+/// Returns the [`refusal!`] of a value unless it is fine; a comparison with NaN is not.
+macro_rules! ensure {
+    ($fine:expr, $($refusal:tt)*) => {
+        let is_fine: bool = $fine;
+        if !is_fine {
+            return Err($crate::pair::refusal!($($refusal)*));
+        }
+    };
+}
+
+use {ensure, refusal};
 
 /// Reads and checks the text of a pair file: JSON in which comments (`//`, `/* */`, `#`), commas before a
 /// closing bracket and a byte-order mark are allowed. Files it names are sought in the working folder.
@@ -34,7 +97,7 @@ use serde_json::Value;
 /// [`PairError::Refused`] for a pair that cannot work.
 pub fn from_json(text: &str) -> Result<Pair, PairError> {
     let file = text::parse(text)?;
-    Ok(resolve::resolve(&file, Path::new(""))?)
+    Ok(resolve(&file, Path::new(""))?)
 }
 
 /// Reads and checks the pair file at `path`. Files it names are sought in its folder.
@@ -53,13 +116,130 @@ pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
 pub fn read_with_gauges(path: impl AsRef<Path>) -> Result<(Pair, [Gauges; 2]), PairError> {
     let path = path.as_ref();
     let file = text::read_fields(path)?;
-    let pair = resolve::resolve(&file, folder(path))?;
+    let pair = resolve(&file, folder(path))?;
     let gauges = [0, 1].map(|i| Gauges::of(file.gear(i), &pair.geometry.gears[i]));
     Ok((pair, gauges))
 }
 
 fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
+}
+
+/// Fills in defaults, checks, converts. Files that the file names are sought in `folder`.
+fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
+    checks::check_fields(file)?;
+    let helix = drawing::helix(file)?;
+    let geometry = PairGeometry {
+        gears: [
+            drawing::gear(file, 0, helix)?,
+            drawing::gear(file, 1, helix)?,
+        ],
+        center_distance: f64::NAN,
+    };
+    resolve_gears(file, helix, geometry, folder).map_err(|refusal| {
+        // A helix angle in radians spoils anything.
+        match suspicious("helix_angle_deg", helix, LEAST_HELIX) {
+            Some(meant) => refusal!("helix_angle_deg" => helix;
+                "fits nothing (`{}` = {}: {})", refusal.field, refusal.value, refusal.problem; "check it: {meant}"),
+            None => refusal,
+        }
+    })
+}
+
+/// `geometry` is yet without centre distance, backlash and bodies, `helix` the helix angle on gear 1, degrees.
+fn resolve_gears(
+    file: &PairFile,
+    helix: f64,
+    mut geometry: PairGeometry,
+    folder: &Path,
+) -> Result<Pair, Refusal> {
+    let mut notes = Vec::new();
+    if let Some(ring) = file.ring() {
+        let (teeth, mate) = (file.gear(ring).teeth, file.gear(1 - ring).teeth);
+        ensure!(teeth > mate, in_gear(ring, "teeth") => teeth;
+            "the ring needs more teeth than the gear in it, {mate}";
+            "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
+    }
+    backlash::set_center_distance(file, &mut geometry)?;
+    backlash::set_backlash(file, &mut geometry)?;
+    notes.extend(mesh::shorten_default_ring(file, &mut geometry)?);
+    let [a, b] = &geometry.gears;
+    let profiles = [gears::profile(file, a, 0)?, gears::profile(file, b, 1)?];
+    for (i, gear) in geometry.gears.iter_mut().enumerate() {
+        gears::add_body(file.gear(i), gear, i)?;
+    }
+    notes.extend(mesh::check_faces(file, &geometry)?);
+    notes.extend(mesh::check_torques(file, &geometry)?);
+    notes.extend(checks::notes(file, helix));
+    notes.extend((0..2).filter_map(|i| gears::small_bore(&geometry, i)));
+    notes.extend(backlash::odd_thickness(file, &geometry));
+    notes.extend(mesh::warnings(&geometry, &profiles));
+    notes.extend(mesh::check_center_distances(file, &geometry, &profiles)?);
+    mesh::check_tooth_difference(&geometry)?;
+    let (microgeometry, teeth) = flanks::of_pair(file, &geometry, folder)?;
+    notes.extend(note_on_teeth(&teeth).map(str::to_owned));
+    Ok(Pair {
+        name: file.name.clone(),
+        teeth,
+        operating: Operating {
+            nominal_torque: file.operating.nominal_torque_nm,
+            maximum_torque: file.operating.maximum_torque_nm,
+            center_distance_offset: file.operating.center_distance_offset_um.map(|v| v * UM),
+            misalignment: file.operating.misalignment_mrad.map(|v| v * 1e-3),
+        },
+        refinement: file.compliance.refinement,
+        tip_corner_contact: file.tip_corner_contact,
+        friction: friction(file.friction.as_ref())?,
+        warnings: notes,
+        geometry,
+        microgeometry,
+    })
+}
+
+/// What is to be known of results that take all `teeth` as alike; `None` where they are. It is one of the [`Pair::warnings`],
+/// too.
+pub fn note_on_teeth(teeth: &PairTeeth) -> Option<&'static str> {
+    let text = "the teeth differ (`tooth_errors`): solve, report, study and tables take them as all alike, with the nominal flanks; \
+                `stiffnessModel = teeth` of an FMU built with --teeth takes index errors and run-out, `contact` of one built with \
+                --contact all of them";
+    (!teeth.are_alike()).then_some(text)
+}
+
+/// X_L of a mineral gear oil: see [`FrictionLaw::Schlenk`].
+const MINERAL_OIL: f64 = 0.846;
+
+/// The law of friction that `file` gives, or the default.
+fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusal> {
+    let Some(file) = file else {
+        return Ok(FrictionLaw::default());
+    };
+    limits! { "friction.", file;
+        coefficient: [0.0, 1.0];
+        dynamic_viscosity_mpa_s: [1.01, 1e5];
+        lubricant_factor: [0.1, 2.0];
+    }
+    for ra in file.roughness_ra_um.into_iter().flatten() {
+        checks::check("friction.roughness_ra_um", ra, [0.01, 20.0])?;
+    }
+    if file.law == FrictionLawFile::Constant {
+        let constant = |coefficient| FrictionLaw::Constant { coefficient };
+        return Ok(file.coefficient.map(constant).unwrap_or_default());
+    }
+    let missing = |name: &str, remedy: &str| {
+        refusal!(format!("friction.{name}") => "none";
+            "this law asks for it"; "{remedy}, or leave `law` at `constant`")
+    };
+    let viscosity = file.dynamic_viscosity_mpa_s.ok_or_else(|| {
+        let remedy = "give the dynamic viscosity at the temperature of the oil";
+        missing("dynamic_viscosity_mpa_s", remedy)
+    })?;
+    let ra = (file.roughness_ra_um)
+        .ok_or_else(|| missing("roughness_ra_um", "give Ra of both gears as a list of two"))?;
+    let (viscosity, ra) = (1e-3 * viscosity, ra.map(|ra| ra * UM));
+    Ok(match file.law {
+        FrictionLawFile::XuKahraman => FrictionLaw::xu_kahraman(viscosity, ra),
+        _ => FrictionLaw::schlenk(viscosity, ra, file.lubricant_factor.unwrap_or(MINERAL_OIL)),
+    })
 }
 
 /// The fields of a pair file before they are checked.
@@ -146,7 +326,7 @@ impl PairDraft {
     /// Those of [`from_json`].
     pub fn pair(&self) -> Result<Pair, PairError> {
         let file = text::parse(&self.fields.to_string())?;
-        Ok(resolve::resolve(&file, &self.folder)?)
+        Ok(resolve(&file, &self.folder)?)
     }
 }
 

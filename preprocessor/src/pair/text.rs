@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::error::PairError;
+use super::PairError;
 use super::file::{FrictionFile, GearFile, OperatingFile, PairFile, ToothErrorsFile};
 use gearmesh::words::shown;
 

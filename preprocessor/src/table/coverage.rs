@@ -1,7 +1,7 @@
 //! What a table covers: its default nodes, random operating points, and errors against static solutions there.
 
 use super::sweep::{StaticSource, Watch, solve_error};
-use gearmesh::contact::{ContactFile, Prescribed, Warm};
+use gearmesh::contact::{ContactError, ContactFile, Prescribed, Warm};
 use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankTable, InterpolationError, Query, TableError};
@@ -150,13 +150,9 @@ impl Coverage {
 
     /// A random point of the other coordinates, its mesh position within `cycles`.
     pub(super) fn draw_query(&self, random: &mut Random, cycles: f64) -> Query {
-        let mut within = |range: Option<[f64; 2]>| range.map_or(0.0, |range| random.within(range));
-        Query {
-            delta: 0.0,
-            center_distance_offset: within(self.center_distance_offset),
-            misalignment: within(self.misalignment),
-            mesh_position: cycles * random.next(),
-        }
+        let within = |range: Option<[f64; 2]>| range.map_or(0.0, |range| random.within(range));
+        let [c, m] = [self.center_distance_offset, self.misalignment].map(within);
+        Query::from([0.0, c, m, cycles * random.next()])
     }
 }
 
@@ -185,11 +181,11 @@ impl Nominal {
     }
 }
 
-pub(super) fn errors<const K: usize>(
+pub(super) fn errors(
     points: Vec<OperatingPoint>,
     watch: &Watch,
-    error: impl Fn(OperatingPoint) -> Result<[f64; K], TableError> + Sync,
-) -> Result<Vec<[f64; K]>, TableError> {
+    error: impl Fn(OperatingPoint) -> Result<[f64; 2], TableError> + Sync,
+) -> Result<Vec<[f64; 2]>, TableError> {
     let checked = |point| watch.check().and_then(|()| error(point));
     points.into_par_iter().map(checked).collect()
 }
@@ -199,12 +195,12 @@ pub(super) fn measure_at(
     source: &dyn StaticSource,
     flank: Flank,
     nominal: Nominal,
-    found: impl Fn(&Query) -> Result<[f64; 4], String> + Sync,
+    found: impl Fn(&Query) -> Result<[f64; 4], ContactError> + Sync,
     points: Vec<OperatingPoint>,
     watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
     let errors = errors(points, watch, |(torque, mut q)| {
-        let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
+        let [_, c, m, p] = q.coordinates();
         let failed = |error| solve_error(flank, [c, m, p], error);
         let exact = source
             .position(flank, p, c)
@@ -253,9 +249,8 @@ pub fn measure_at_run_time(
     Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
     let level = alike.flank(flank).ok_or_else(no_coast_flank)?;
     let found = |q: &Query| {
-        let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
-        let found = level.potential([q.delta, c, m, p], [0; 2], &mut Warm::default());
-        found.map(|w| w.gradient).map_err(|e| e.to_string())
+        let found = level.potential(q.coordinates(), [0; 2], &mut Warm::default())?;
+        Ok(found.gradient)
     };
     let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(&contact.setup.geometry, coverage);
@@ -263,5 +258,5 @@ pub fn measure_at_run_time(
 }
 
 pub(super) fn no_coast_flank() -> TableError {
-    TableError::Samples("the contact at run time has no coast flank of its own".into())
+    TableError::Failed("the contact at run time has no coast flank of its own".into())
 }

@@ -66,12 +66,7 @@ impl Imported {
                  samples up to the torques that are to be simulated, or correct operating.nominal_torque_nm"
             ));
         }
-        let FlankGrid {
-            axes,
-            no_load_approach,
-            top_load_approach,
-            ..
-        } = &self.grid;
+        let (grid, axes) = (&self.grid, &self.grid.axes);
         for (name, nodes, scale) in [
             (COLUMNS[2], &axes.center_distance_offset, 1e6),
             (COLUMNS[3], &axes.misalignment, 1e3),
@@ -83,8 +78,9 @@ impl Imported {
                 ));
             }
         }
-        let [low, top] = [no_load_approach, top_load_approach].map(|ends| ends.iter().sum::<f64>());
-        let travel = (top - low) / top_load_approach.len() as f64;
+        let ends = [&grid.no_load_approach, &grid.top_load_approach];
+        let [low, top] = ends.map(|ends| ends.iter().sum::<f64>());
+        let travel = (top - low) / grid.top_load_approach.len() as f64;
         let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
         let width = geometry.face_overlap().1;
         let usual = STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min) * width;
@@ -217,7 +213,7 @@ fn two_digits(value: f64) -> f64 {
 }
 
 fn refused<T>(message: String) -> Result<T, TableError> {
-    Err(TableError::Samples(message))
+    Err(TableError::Failed(format!("samples: {message}")))
 }
 
 fn neighbours(rows: &[Row], is_so: impl Fn(&Row, &Row) -> bool) -> Option<[&Row; 2]> {
@@ -269,7 +265,7 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
-    let unreadable = |error: csv::Error| TableError::Samples(error.to_string());
+    let unreadable = |error: csv::Error| TableError::Failed(format!("samples: {error}"));
     let header = reader.headers().map_err(unreadable)?.clone();
     let is_known_once = |name: &&str| {
         COLUMNS.contains(name) && header.iter().filter(|column| column == name).count() == 1

@@ -24,11 +24,7 @@ fn csv(torques: &[f64]) -> String {
 
 /// What the table says at the nominal state.
 fn at(table: &FlankTable, delta: f64, mesh_position: f64) -> [f64; 4] {
-    let query = Query {
-        delta,
-        mesh_position,
-        ..Query::default()
-    };
+    let query = Query::from([delta, 0.0, 0.0, mesh_position]);
     table.evaluate(&query, false).gradient
 }
 
@@ -155,18 +151,12 @@ fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
 
 /// The doubt about a spring whose displacements are `scale` times those of [`csv`], on axes changed by `change`.
 fn doubt(scale: f64, nominal_torque: f64, change: fn(&mut Axes)) -> Result<Option<String>, String> {
-    let Imported {
-        mut grid,
-        maximum_torque,
-    } = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    let mut imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    let grid = &mut imported.grid;
     for values in [&mut grid.no_load_approach, &mut grid.top_load_approach] {
         values.iter_mut().for_each(|v| *v *= scale);
     }
     change(&mut grid.axes);
-    let imported = Imported {
-        grid,
-        maximum_torque,
-    };
     let doubt = imported.doubt(&spur_pair(), nominal_torque);
     doubt.map_err(|error| error.to_string())
 }
@@ -178,32 +168,21 @@ fn samples_that_no_simulation_can_use_are_refused_and_odd_ones_noted() {
     let note = doubt(20.0, 100.0, |_| ()).unwrap().unwrap();
     assert!(note.contains("0.027 times the stiffness usual"), "{note:?}");
     let unit = "times the stiffness usual for these teeth; give the transmission error on the line of action in um, and";
-    let no_parallel = |axes: &mut Axes| axes.misalignment = vec![1e-3, 1.5e-3, 2e-3, 3e-3];
-    let no_nominal =
-        |axes: &mut Axes| axes.center_distance_offset = vec![-100e-6, -50e-6, -20e-6, -10e-6];
+    let no_change: fn(&mut Axes) = |_| ();
+    let no_parallel: fn(&mut Axes) = |axes| axes.misalignment = vec![1e-3, 1.5e-3, 2e-3, 3e-3];
+    let no_nominal: fn(&mut Axes) =
+        |axes| axes.center_distance_offset = vec![-100e-6, -50e-6, -20e-6, -10e-6];
+    let torque = "is 200, below the nominal torque of the pair file, 250 N m";
+    let tilted = "misalignment_mrad runs from 1 to 3 and leaves out 0";
+    let apart = "center_distance_offset_um runs from -100 to -10";
     for (scale, nominal_torque, change, text) in [
-        (
-            1.0,
-            250.0,
-            (|_| ()) as fn(&mut Axes),
-            "is 200, below the nominal torque of the pair file, 250 N m",
-        ),
+        (1.0, 250.0, no_change, torque),
         // In metres, in millimetres, in nanometres.
-        (1e-6, 100.0, |_| (), unit),
-        (1e-3, 100.0, |_| (), unit),
-        (1e3, 100.0, |_| (), unit),
-        (
-            1.0,
-            100.0,
-            no_parallel,
-            "misalignment_mrad runs from 1 to 3 and leaves out 0",
-        ),
-        (
-            1.0,
-            100.0,
-            no_nominal,
-            "center_distance_offset_um runs from -100 to -10",
-        ),
+        (1e-6, 100.0, no_change, unit),
+        (1e-3, 100.0, no_change, unit),
+        (1e3, 100.0, no_change, unit),
+        (1.0, 100.0, no_parallel, tilted),
+        (1.0, 100.0, no_nominal, apart),
     ] {
         let error = doubt(scale, nominal_torque, change).unwrap_err();
         assert!(error.contains(text), "{error}");

@@ -55,8 +55,7 @@ pub fn table_within(
         Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, watch)?.choices(),
         None => Ok(vec![Choice {
             nodes: vec![0.0],
-            square: 0.0,
-            largest: 0.0,
+            ..Choice::default()
         }]),
     };
     let choices = [
@@ -100,12 +99,13 @@ pub fn table_within(
         aim *= (0.8 / found).clamp(0.25, 0.8);
     }
     let Some((_, grid)) = best else {
-        return Err(TableError::Samples("no grid was tried".into()));
+        return Err(TableError::Failed("no grid was tried".into()));
     };
     let found = measured(&grid, REPORTED_POINTS, SEED)?;
     Ok((grid, found))
 }
 
+#[derive(Default)]
 struct Choice {
     nodes: Vec<f64>,
     /// Mean square and largest error over nominal force.
@@ -115,7 +115,7 @@ struct Choice {
 
 /// Nodes out of `choices` (per axis, ascending in number of nodes) whose errors along the axes add up (in the mean square) to
 /// `error` of the nominal force at most, on the smallest grid; the finest one if none does.
-fn cheapest(choices: &[Vec<Choice>], error: f64) -> Axes {
+fn cheapest(choices: &[Vec<Choice>; 4], error: f64) -> Axes {
     let mut taken = [0_usize; 4];
     loop {
         let now = || choices.iter().zip(taken).map(|(choices, i)| &choices[i]);
@@ -141,13 +141,7 @@ fn cheapest(choices: &[Vec<Choice>], error: f64) -> Axes {
         let Some((_, axis, to)) = step else { break };
         taken[axis] = to;
     }
-    let nodes = |axis: Axis| choices[axis as usize][taken[axis as usize]].nodes.clone();
-    Axes {
-        displacement_fraction: nodes(Axis::Displacement),
-        center_distance_offset: nodes(Axis::CenterDistance),
-        misalignment: nodes(Axis::Misalignment),
-        mesh_position: nodes(Axis::MeshPosition),
-    }
+    Axes::from([0, 1, 2, 3].map(|axis| choices[axis][taken[axis]].nodes.clone()))
 }
 
 /// How far apart even fine misalignments may lie in units of the tilt, and how far graded ones do at parallel axes.
@@ -242,13 +236,10 @@ impl Lines {
         let mut grids = Vec::with_capacity(count);
         for k in 1..=count {
             let q = coverage.draw_query(&mut random, 1.0);
-            let mut axes = Axes {
-                displacement_fraction: displacement_nodes(8, 1.3),
-                center_distance_offset: vec![q.center_distance_offset],
-                misalignment: vec![q.misalignment],
-                mesh_position: vec![q.mesh_position],
-            };
-            axes.along_mut(axis).clone_from(&nodes);
+            let [_, c, m, p] = q.coordinates();
+            let mut all = [vec![c], vec![m], displacement_nodes(8, 1.3), vec![p]];
+            all[axis as usize].clone_from(&nodes);
+            let axes = Axes::from(all);
             let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, &quiet)?;
             (watch.progress)(k * solves, count * solves);
             let table = through(&grid)?;

@@ -1,11 +1,11 @@
 //! Sweeps and grids to a stated error, on a spring whose solution is known.
 
 use super::super::coverage::{default_axes, graded, measure, misalignments, tilt};
-use super::super::sweep::{Sample, StaticPosition};
+use super::super::sweep::{Position, Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
 use crate::spring::Spring;
-use gearmesh::contact::Prescribed;
+use gearmesh::contact::{ContactError, Prescribed};
 use gearmesh::root::bisection;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -32,17 +32,12 @@ struct Formula;
 /// At the coordinates of a query but its approach.
 impl StaticPosition for Query {
     fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        approach(Prescribed::Torque(0.0), |delta| {
-            Spring::potential(&Query {
-                delta,
-                misalignment,
-                ..*self
-            })
-            .gradient[0]
-        })
+        self.misalignment = misalignment;
+        let force = |delta| Spring::potential(&Query { delta, ..*self }).gradient[0];
+        approach(Prescribed::Torque(0.0), force)
     }
 
-    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
         self.misalignment = misalignment;
         let at = |delta| Spring::potential(&Query { delta, ..*self }).gradient;
         let approach = approach(prescribed, |delta| at(delta)[0]);
@@ -57,17 +52,8 @@ impl StaticPosition for Query {
 }
 
 impl StaticSource for Formula {
-    fn position(
-        &self,
-        _: Flank,
-        mesh_position: f64,
-        center_distance_offset: f64,
-    ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        Ok(Box::new(Query {
-            mesh_position,
-            center_distance_offset,
-            ..Query::default()
-        }))
+    fn position(&self, _: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError> {
+        Ok(Box::new(Query::from([0.0, c, 0.0, p])))
     }
 }
 
@@ -177,7 +163,7 @@ impl StaticPosition for Wedge {
         -0.5 * FACE * misalignment.abs()
     }
 
-    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
         let approach = approach(prescribed, |delta| Wedge::loads(delta, misalignment)[0]);
         let [loa_force, moment] = Wedge::loads(approach, misalignment);
         Ok(Sample {
@@ -190,7 +176,7 @@ impl StaticPosition for Wedge {
 }
 
 impl StaticSource for Wedge {
-    fn position(&self, _: Flank, _: f64, _: f64) -> Result<Box<dyn StaticPosition + '_>, String> {
+    fn position(&self, _: Flank, _: f64, _: f64) -> Result<Position<'_>, ContactError> {
         Ok(Box::new(Wedge))
     }
 }

@@ -10,7 +10,6 @@ use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::table::{
     LoadAxes, LoadSpline, RootStressError, RootStressSamples, SlidingSamples, TableError,
-    rms_and_largest,
 };
 use std::sync::Arc;
 
@@ -60,15 +59,12 @@ pub fn sweep_sliding(
     watch: &Watch,
 ) -> Result<SlidingSamples, TableError> {
     let law = solver.friction();
-    let sweep = LoadSweep {
-        solver,
-        flank,
-        watch,
-    };
-    let all = sweep.nodes(axes, |_, _, _| {
-        Ok(|problem: &PositionProblem, result: &ContactResult| {
-            Ok(solver.sliding(problem, result, &law))
-        })
+    let [c, m, force, p] = axes.nodes();
+    let total = axes.lengths().iter().product();
+    let all = watch.sweep_columns([c, p], total, |c, p, report| {
+        let column = Column::new(solver, flank, [c, p])?;
+        let sliding = |result: &ContactResult| Ok(solver.sliding(&column.problem, result, &law));
+        column.solve([m, force], watch, report, sliding)
     })?;
     Ok(SlidingSamples::new(&all, law.is_local()))
 }
@@ -83,39 +79,33 @@ pub struct RootStressSweep<'a> {
     pub flank: Flank,
 }
 
-impl<'a> RootStressSweep<'a> {
+impl RootStressSweep<'_> {
     /// Solves at every node of `axes`.
     ///
     /// # Errors
     /// The first solve that fails, with its operating point; cancellation.
     pub fn samples(&self, axes: &LoadAxes, watch: &Watch) -> Result<RootStressSamples, TableError> {
-        let sweep = self.sweep(watch);
-        let all = sweep.nodes(axes, |problem, c, p| self.largest(problem, c, p))?;
-        let [gear_1, gear_2] =
-            [0, 1].map(|gear| all.iter().map(|both| both[gear]).collect::<Vec<f64>>());
-        Ok(RootStressSamples::new([&gear_1, &gear_2]))
+        let [c, m, force, p] = axes.nodes();
+        let total = axes.lengths().iter().product();
+        let all = watch.sweep_columns([c, p], total, |c, p, report| {
+            self.column([c, p], [m, force], watch, report)
+        })?;
+        Ok(RootStressSamples::new(&all))
     }
 
-    fn sweep<'w>(&'w self, watch: &'w Watch<'w>) -> LoadSweep<'w> {
-        LoadSweep {
-            solver: self.solver,
-            flank: self.flank,
-            watch,
-        }
-    }
-
-    /// Stress of both gears, Pa, out of a solution at the centre distance offset `c` and mesh position `p`.
-    fn largest(
+    /// Largest stress of either gear, Pa; arguments as of [`Column::solve`].
+    fn column(
         &self,
-        problem: &PositionProblem,
-        c: f64,
-        p: f64,
-    ) -> Result<
-        impl Fn(&PositionProblem, &ContactResult) -> Result<[f64; 2], ContactError> + use<'a>,
-        ContactError,
-    > {
-        let roots = PositionRoots::new(self.solver, problem, (self.flank, p, c), self.models)?;
-        Ok(move |_: &PositionProblem, result: &ContactResult| roots.largest(result))
+        at: [f64; 2],
+        loads: [&[f64]; 2],
+        watch: &Watch,
+        report: &dyn Fn(usize),
+    ) -> Result<Vec<[f64; 2]>, TableError> {
+        let column = Column::new(self.solver, self.flank, at)?;
+        let place = (self.flank, at[1], at[0]);
+        let roots = PositionRoots::new(self.solver, &column.problem, place, self.models)
+            .map_err(|error| column.failed(0.0, error))?;
+        column.solve(loads, watch, report, |result| roots.largest(result))
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
@@ -137,79 +127,65 @@ impl<'a> RootStressSweep<'a> {
         let largest = cycle.fold([0.0f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let drawn = coverage.draw(Random::new(SEED), points);
         let errors = errors(drawn, watch, |(torque, q)| {
-            let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
+            let [_, c, m, p] = q.coordinates();
             let force = torque / rb;
-            let roots = |problem: &PositionProblem, c, p| self.largest(problem, c, p);
-            let exact = (self.sweep(watch)).column([c, p], [&[m], &[force]], roots, &|_| ())?[0];
+            let exact = self.column([c, p], [&[m], &[force]], watch, &|_| ())?[0];
             let found = stress([force, c, m, p]);
             Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
         })?;
-        let [first, second] = [0, 1].map(|i| rms_and_largest(errors.iter().map(|e| e[i])));
-        Ok(RootStressError {
-            points,
-            rms: first[0].max(second[0]),
-            maximum: first[1].max(second[1]),
-        })
+        Ok(RootStressError::of(&errors))
     }
 }
 
-struct LoadSweep<'a> {
+/// Static contact at one centre distance and mesh position.
+struct Column<'a> {
     solver: &'a ContactSolver,
     flank: Flank,
-    watch: &'a Watch<'a>,
+    /// Centre distance offset, m, and mesh position.
+    at: [f64; 2],
+    problem: PositionProblem,
 }
 
-impl LoadSweep<'_> {
-    /// At the centre distance offset `c` (m) and mesh position `p`, for each of `misalignments` (rad) under each of `forces` (N on
-    /// the line of action, ascending), what `at_position` gives there of the solution; its default without load. `report`
-    /// is called after each misalignment with the number of forces.
-    fn column<S, K>(
+impl<'a> Column<'a> {
+    fn new(solver: &'a ContactSolver, flank: Flank, at: [f64; 2]) -> Result<Self, TableError> {
+        let [c, p] = at;
+        let problem = solver.position(flank, p, c);
+        Ok(Column {
+            problem: problem.map_err(|error| solve_error(flank, [c, 0.0, p], error))?,
+            solver,
+            flank,
+            at,
+        })
+    }
+
+    fn failed(&self, misalignment: f64, error: ContactError) -> TableError {
+        let [c, p] = self.at;
+        solve_error(self.flank, [c, misalignment, p], error)
+    }
+
+    /// What `sample` gives of each solution, for each of `misalignments` (rad) under each of `forces` (N on the line of
+    /// action, ascending); the default without load. `report` is called after each misalignment with the number of forces.
+    fn solve<S: Copy + Default>(
         &self,
-        [c, p]: [f64; 2],
         [misalignments, forces]: [&[f64]; 2],
-        at_position: impl Fn(&PositionProblem, f64, f64) -> Result<K, ContactError>,
+        watch: &Watch,
         report: &dyn Fn(usize),
-    ) -> Result<Vec<S>, TableError>
-    where
-        S: Copy + Default,
-        K: Fn(&PositionProblem, &ContactResult) -> Result<S, ContactError>,
-    {
-        let failed = |m| move |error: ContactError| solve_error(self.flank, [c, m, p], error);
+        sample: impl Fn(&ContactResult) -> Result<S, ContactError>,
+    ) -> Result<Vec<S>, TableError> {
         let rb = self.solver.geometry().gears[0].base_radius();
-        let problem = (self.solver.position(self.flank, p, c)).map_err(failed(0.0))?;
-        let evaluate = at_position(&problem, c, p).map_err(failed(0.0))?;
         let mut column = vec![S::default(); misalignments.len() * forces.len()];
         for (&m, row) in misalignments.iter().zip(column.chunks_mut(forces.len())) {
-            self.watch.check()?;
+            watch.check()?;
             let mut warm = None;
             // From the top down each solution starts from a near one.
-            let loaded = forces.iter().zip(row).filter(|(force, _)| **force > 0.0);
-            for (&force, sample) in loaded.rev() {
-                let result = problem.solve_torque(force * rb, m, warm.as_ref());
-                let result = result.map_err(failed(m))?;
-                *sample = evaluate(&problem, &result).map_err(failed(m))?;
+            for (&force, value) in forces.iter().zip(row).rev().filter(|(f, _)| **f > 0.0) {
+                let result = self.problem.solve_torque(force * rb, m, warm.as_ref());
+                let result = result.map_err(|error| self.failed(m, error))?;
+                *value = sample(&result).map_err(|error| self.failed(m, error))?;
                 warm = Some(result);
             }
             report(forces.len());
         }
         Ok(column)
-    }
-
-    /// The same at every node of `axes`, in the order of their tables.
-    fn nodes<S, K>(
-        &self,
-        axes: &LoadAxes,
-        at_position: impl Fn(&PositionProblem, f64, f64) -> Result<K, ContactError> + Sync,
-    ) -> Result<Vec<S>, TableError>
-    where
-        S: Copy + Default + Send,
-        K: Fn(&PositionProblem, &ContactResult) -> Result<S, ContactError>,
-    {
-        let outer = [&axes.center_distance_offset_m[..], &axes.mesh_position];
-        let loads = [&axes.misalignment_rad[..], &axes.loa_force_n];
-        let total = axes.lengths().iter().product();
-        (self.watch).sweep_columns(outer, total, |c, p, report| {
-            self.column([c, p], loads, &at_position, report)
-        })
     }
 }

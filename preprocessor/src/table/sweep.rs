@@ -6,6 +6,7 @@ use gearmesh::gear::Flank;
 use gearmesh::table::{Axes, FlankGrid, SlidingSamples, TableError};
 use gearmesh::words::rounded;
 use rayon::prelude::*;
+use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -37,24 +38,21 @@ impl From<&ContactResult> for Sample {
 pub trait StaticPosition {
     /// Approach at the first touch, m.
     fn no_load_approach(&mut self, misalignment: f64) -> f64;
-    /// Equilibrium under a torque on gear 1 or at an approach. Errors are what the solver says.
-    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String>;
+    /// Equilibrium under a torque on gear 1 or at an approach.
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError>;
     /// Equilibrium up to which a table for this largest torque (N m) goes: that under the torque itself.
-    /// Errors are what the solver says.
-    fn top(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
+    fn top(&mut self, torque: f64, misalignment: f64) -> Result<Sample, ContactError> {
         self.solve(Prescribed::Torque(torque), misalignment)
     }
 }
 
+/// Some static contact at one mesh position and centre distance.
+pub type Position<'a> = Box<dyn StaticPosition + 'a>;
+
 /// Static contact of a pair.
 pub trait StaticSource: Sync {
-    /// The contact at `mesh_position` and `center_distance_offset` (m). Errors are what the solver says.
-    fn position(
-        &self,
-        flank: Flank,
-        mesh_position: f64,
-        center_distance_offset: f64,
-    ) -> Result<Box<dyn StaticPosition + '_>, String>;
+    /// The contact at the mesh position `p` and the centre distance offset `c` (m).
+    fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError>;
     /// Law of friction that weights the sliding of its samples; `None`: they have none.
     fn friction(&self) -> Option<FrictionLaw> {
         None
@@ -94,24 +92,22 @@ impl<'a> WatchedSolver<'a> {
 }
 
 impl StaticSource for WatchedSolver<'_> {
-    fn position(
-        &self,
-        flank: Flank,
-        p: f64,
-        c: f64,
-    ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        SolverPosition::boxed(self.solver.position(flank, p, c), Some(&self.quality))
+    fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError> {
+        Ok(Box::new(SolverPosition {
+            problem: self.solver.position(flank, p, c)?,
+            warm: None,
+            quality: Some(&self.quality),
+        }))
     }
 }
 
 impl StaticSource for ContactSolver {
-    fn position(
-        &self,
-        flank: Flank,
-        p: f64,
-        c: f64,
-    ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        SolverPosition::boxed(self.position(flank, p, c), None)
+    fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError> {
+        Ok(Box::new(SolverPosition {
+            problem: self.position(flank, p, c)?,
+            warm: None,
+            quality: None,
+        }))
     }
 }
 
@@ -122,31 +118,17 @@ struct SolverPosition<'a> {
     quality: Option<&'a Mutex<SolveQuality>>,
 }
 
-impl<'a> SolverPosition<'a> {
-    fn boxed(
-        problem: Result<PositionProblem, ContactError>,
-        quality: Option<&'a Mutex<SolveQuality>>,
-    ) -> Result<Box<dyn StaticPosition + 'a>, String> {
-        Ok(Box::new(SolverPosition {
-            problem: problem.map_err(|e| e.to_string())?,
-            warm: None,
-            quality,
-        }))
-    }
-}
-
 impl StaticPosition for SolverPosition<'_> {
     fn no_load_approach(&mut self, misalignment: f64) -> f64 {
         self.problem.no_load_approach(misalignment)
     }
 
-    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
         let (problem, warm) = (&self.problem, self.warm.as_ref());
         let result = match prescribed {
             Prescribed::Torque(torque) => problem.solve_torque(torque, misalignment, warm),
             Prescribed::Approach(approach) => problem.solve_approach(approach, misalignment, warm),
-        };
-        let result = result.map_err(|e| e.to_string())?;
+        }?;
         if let Some(quality) = self.quality {
             let mut sum = quality.lock().unwrap_or_else(PoisonError::into_inner);
             sum.solves += 1;
@@ -213,7 +195,7 @@ pub fn sweep(
     let outer = [&axes.center_distance_offset[..], &axes.mesh_position];
     // For each misalignment first touch and displacements.
     let samples = watch.sweep_columns(outer, nc * nm * (nu + 1) * np, |c, p, report| {
-        let failed = |m| move |error: String| solve_error(flank, [c, m, p], error);
+        let failed = |m| move |error: ContactError| solve_error(flank, [c, m, p], error);
         let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
         let mut column = Vec::with_capacity(nm * (nu + 1));
         for &m in &axes.misalignment {
@@ -254,12 +236,9 @@ pub fn sweep(
 }
 
 /// A solve that failed at (centre distance offset, misalignment, mesh position).
-pub(super) fn solve_error(flank: Flank, [c, m, p]: [f64; 3], error: impl ToString) -> TableError {
+pub(super) fn solve_error(flank: Flank, [c, m, p]: [f64; 3], error: impl Display) -> TableError {
     let [c, m] = [1e6 * c, 1e3 * m].map(rounded);
-    TableError::Solve {
-        point: format!(
-            "{flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}"
-        ),
-        message: error.to_string(),
-    }
+    TableError::Failed(format!(
+        "static solve at {flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}: {error}"
+    ))
 }

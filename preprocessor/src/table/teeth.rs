@@ -4,7 +4,7 @@ use super::coverage::{
     Coverage, Nominal, SEED, displacement_nodes, errors, mesh_positions, no_coast_flank,
 };
 use super::sweep::{Watch, solve_error, sweep};
-use super::tooth_pair::{ToothPair, ToothPairOver};
+use super::tooth_pair::ToothPair;
 use gearmesh::contact::{
     ContactError, ContactFile, ContactSolver, PositionProblem, Prescribed, Warm,
 };
@@ -71,12 +71,10 @@ impl TeethSweep<'_> {
         let (solver, coverage) = (self.solver, self.coverage);
         let on_flank = |flank| ToothPair::new(solver, flank, coverage, axes, teeth.spread());
         let drive = on_flank(Flank::Drive)?;
-        let coast = match self.coast_mirrors_drive {
-            true => None,
-            false => Some(on_flank(Flank::Coast)?),
-        };
+        let own_coast = !self.coast_mirrors_drive;
+        let coast = own_coast.then(|| on_flank(Flank::Coast)).transpose()?;
         // Both flanks share places: those that serve either.
-        let ends = [&drive].into_iter().chain(&coast).map(|pair| pair.ends);
+        let ends = [&drive].into_iter().chain(&coast).map(|pair| pair.places);
         let [first, last] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |a, b| {
             [a[0].min(b[0]), a[1].max(b[1])]
         });
@@ -85,16 +83,15 @@ impl TeethSweep<'_> {
             mesh_position: mesh_positions((PLACES * (last - first)).ceil() as usize),
             ..axes.clone()
         };
-        let sampled = |pair: &ToothPair, flank| {
-            let places = [first, last - first];
-            let source = ToothPairOver { pair, places };
-            let mut grid = sweep(&source, flank, &axes, coverage.maximum_torque, watch)?;
+        let sampled = |mut pair: ToothPair, flank| {
+            pair.places = [first, last];
+            let mut grid = sweep(&pair, flank, &axes, coverage.maximum_torque, watch)?;
             grid.sliding = grid.sliding.filter(|_| self.friction);
             let coupling = coupling(solver, coverage, flank, &axes.misalignment)?;
             Ok::<_, TableError>((grid.for_file(), coupling))
         };
-        let (drive, coupling_m_per_n) = sampled(&drive, Flank::Drive)?;
-        let coast = coast.map(|pair| sampled(&pair, Flank::Coast)).transpose()?;
+        let (drive, coupling_m_per_n) = sampled(drive, Flank::Drive)?;
+        let coast = coast.map(|pair| sampled(pair, Flank::Coast)).transpose()?;
         let (coast, coast_coupling_m_per_n) = coast.unzip();
         let errors = |gears: &[_; 2]| gears.each_ref().map(GearTeethRecord::from);
         let mut record = TeethRecord {
@@ -111,7 +108,7 @@ impl TeethSweep<'_> {
             error: InterpolationError::default(),
         };
         let mut error = self.measure(&record, Flank::Drive, points, watch)?;
-        if !self.coast_mirrors_drive {
+        if own_coast {
             error = error.with(self.measure(&record, Flank::Coast, points, watch)?);
         }
         record.error = error;
@@ -145,10 +142,10 @@ impl TeethSweep<'_> {
         let points = (0..points).map(|_| point()).collect();
         let errors = errors(points, watch, |(torque, mut q)| {
             q.delta = approach(&level, &q, torque / rb);
-            let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
             let found = level.evaluate(&q, [0; 2], false);
+            let at @ [_, c, m, p] = q.coordinates();
             let exact = exact
-                .potential([q.delta, c, m, p], [0; 2], &mut Warm::default())
+                .potential(at, [0; 2], &mut Warm::default())
                 .map_err(|error| solve_error(flank, [c, m, p], error))?;
             Ok(nominal.errors(&found.gradient, exact.gradient[0], exact.gradient[2]))
         })?;
@@ -209,7 +206,7 @@ fn coupling(
         }
     }
     if let Some(node) = nodes.iter().position(|sums| sums.squares[(0, 0)] <= 0.0) {
-        return Err(TableError::Samples(format!(
+        return Err(TableError::Failed(format!(
             "no place where two tooth pairs carry at a misalignment of {} mrad: tooth pairs one by one need a contact \
              ratio above 1",
             rounded(1e3 * misalignments[node])

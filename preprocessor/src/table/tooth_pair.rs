@@ -5,7 +5,7 @@
 //! first touch stays at a ceiling that none reaches.
 
 use super::coverage::Coverage;
-use super::sweep::{Sample, StaticPosition, StaticSource, solve_error};
+use super::sweep::{Position, Sample, StaticPosition, StaticSource, solve_error};
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
@@ -21,13 +21,13 @@ const REACH: f64 = 8.0;
 /// Steps in which the ends of the places are sought, base pitches; likewise how far within the reach of contact a pair stays.
 const STEP: f64 = 1.0 / 64.0;
 
+/// One tooth pair at the centre distances and misalignments of a table, whose mesh position runs over its places.
 pub(super) struct ToothPair {
     solver: ContactSolver,
-    flank: Flank,
     nodes: [Vec<f64>; 2],
     levels: Vec<Level>,
-    /// Places beyond which the pair does not touch anywhere in the table.
-    pub ends: [f64; 2],
+    /// First and last place of the table, base pitches; as made, the least range beyond which the pair touches nowhere.
+    pub places: [f64; 2],
 }
 
 /// Approaches at a centre distance and misalignment, m.
@@ -37,12 +37,6 @@ struct Level {
     ceiling: f64,
     /// Of the table.
     span: f64,
-}
-
-pub(super) struct ToothPairOver<'a> {
-    pub pair: &'a ToothPair,
-    /// First and length.
-    pub places: [f64; 2],
 }
 
 impl ToothPair {
@@ -63,10 +57,8 @@ impl ToothPair {
             let problem = (solver.tooth_pair(flank, 0.0, c)).map_err(failed(c, 0.0))?;
             let level = |&m: &f64| {
                 let low = problem.no_load_approach(m);
-                let top = problem
-                    .solve_beyond(torque, m, None)
-                    .map_err(failed(c, m))?;
-                let span = top.approach - low + spread;
+                let top = problem.solve_beyond(torque, m, None);
+                let span = top.map_err(failed(c, m))?.approach - low + spread;
                 let ceiling = low + CEILING * span;
                 Ok(Level { ceiling, span })
             };
@@ -75,38 +67,35 @@ impl ToothPair {
         let levels = rows.collect::<Result<Vec<_>, TableError>>()?.concat();
         let mut pair = ToothPair {
             solver,
-            flank,
             nodes,
             levels,
-            ends: [0.0; 2],
+            places: [0.0; 2],
         };
-        pair.ends = pair.outermost().map_err(failed(0.0, 0.0))?;
+        pair.places = pair.outermost(flank).map_err(failed(0.0, 0.0))?;
         Ok(pair)
     }
 
-    fn level(&self, c: f64, m: f64) -> Result<Level, String> {
-        let find = |axis: usize, x: f64| self.nodes[axis].iter().position(|&node| node == x);
-        match (find(0, c), find(1, m)) {
-            (Some(i), Some(j)) => Ok(self.levels[i * self.nodes[1].len() + j]),
-            _ => Err("no node of this table".into()),
-        }
+    /// At a node of the table.
+    fn level(&self, c: f64, m: f64) -> Level {
+        let index = |axis: usize, x: f64| {
+            let node = self.nodes[axis].iter().position(|&node| node == x);
+            node.expect("a table is solved at its nodes")
+        };
+        self.levels[index(0, c) * self.nodes[1].len() + index(1, m)]
     }
 
-    fn outermost(&self) -> Result<[f64; 2], ContactError> {
+    fn outermost(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
         let outer = |nodes: &[f64]| [nodes[0], nodes[nodes.len() / 2], nodes[nodes.len() - 1]];
         let mut ends = [0.0f64; 2];
         for c in outer(&self.nodes[0]) {
             let passage = self.solver.passage(c)?;
             for m in outer(&self.nodes[1]) {
-                let ceiling = self
-                    .level(c, m)
-                    .map_or(f64::INFINITY, |level| level.ceiling);
-                for (end, sign) in [-1.0, 1.0].into_iter().enumerate() {
-                    let place = &mut ends[end];
-                    while sign * (passage[end] - *place) > 0.0
-                        && self.solver.first_touch(self.flank, *place, c, m)? < ceiling
+                let ceiling = self.level(c, m).ceiling;
+                for ((end, sign), limit) in ends.iter_mut().zip([-1.0, 1.0]).zip(passage) {
+                    while sign * (limit - *end) > 0.0
+                        && self.solver.first_touch(flank, *end, c, m)? < ceiling
                     {
-                        *place += sign * STEP;
+                        *end += sign * STEP;
                     }
                 }
             }
@@ -115,21 +104,15 @@ impl ToothPair {
     }
 }
 
-impl StaticSource for ToothPairOver<'_> {
-    fn position(
-        &self,
-        flank: Flank,
-        mesh_position: f64,
-        center_distance_offset: f64,
-    ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        let place = self.places[0] + mesh_position * self.places[1];
-        let (pair, c) = (self.pair, center_distance_offset);
-        let [first, last] = pair.solver.passage(c).map_err(|e| e.to_string())?;
+impl StaticSource for ToothPair {
+    fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError> {
+        let [first, last] = self.places;
+        let place = first + p * (last - first);
+        let [first, last] = self.solver.passage(c)?;
         let within = place.clamp(first + STEP, last - STEP);
-        let problem = pair.solver.tooth_pair(flank, within, c);
         Ok(Box::new(ToothPairPosition {
-            pair,
-            problem: problem.map_err(|e| e.to_string())?,
+            pair: self,
+            problem: self.solver.tooth_pair(flank, within, c)?,
             is_beyond: within != place,
             center_distance_offset: c,
             warm: None,
@@ -137,7 +120,7 @@ impl StaticSource for ToothPairOver<'_> {
     }
 
     fn friction(&self) -> Option<FrictionLaw> {
-        Some(self.pair.solver.friction())
+        Some(self.solver.friction())
     }
 }
 
@@ -150,18 +133,22 @@ struct ToothPairPosition<'a> {
     warm: Option<ContactResult>,
 }
 
+impl ToothPairPosition<'_> {
+    fn level(&self, misalignment: f64) -> Level {
+        self.pair.level(self.center_distance_offset, misalignment)
+    }
+}
+
 impl StaticPosition for ToothPairPosition<'_> {
     fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        let level = self.pair.level(self.center_distance_offset, misalignment);
-        let ceiling = level.map_or(f64::NAN, |level| level.ceiling);
-        if self.is_beyond {
-            ceiling
-        } else {
-            self.problem.no_load_approach(misalignment).min(ceiling)
+        let ceiling = self.level(misalignment).ceiling;
+        match self.is_beyond {
+            true => ceiling,
+            false => self.problem.no_load_approach(misalignment).min(ceiling),
         }
     }
 
-    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
         // Where the first touch is at its ceiling, the approach counts from there.
         let beyond =
             self.problem.no_load_approach(misalignment) - self.no_load_approach(misalignment);
@@ -169,24 +156,22 @@ impl StaticPosition for ToothPairPosition<'_> {
             Prescribed::Approach(approach) => Prescribed::Approach(approach + beyond),
             torque => torque,
         };
-        let result = self
-            .problem
-            .solve_beyond(shifted, misalignment, self.warm.as_ref());
-        let result = self.warm.insert(result.map_err(|e| e.to_string())?);
+        let warm = self.warm.as_ref();
+        let result = self.problem.solve_beyond(shifted, misalignment, warm)?;
+        let result = self.warm.insert(result);
         let solver = &self.pair.solver;
-        let sample = Sample {
+        let mut sample = Sample {
             sliding: solver.sliding(&self.problem, result, &solver.friction()),
             ..Sample::from(&*result)
         };
-        Ok(match prescribed {
-            Prescribed::Approach(approach) => Sample { approach, ..sample },
-            Prescribed::Torque(_) => sample,
-        })
+        if let Prescribed::Approach(approach) = prescribed {
+            sample.approach = approach;
+        }
+        Ok(sample)
     }
 
-    fn top(&mut self, _torque: f64, misalignment: f64) -> Result<Sample, String> {
-        let level = self.pair.level(self.center_distance_offset, misalignment)?;
-        let low = self.no_load_approach(misalignment);
-        self.solve(Prescribed::Approach(low + level.span), misalignment)
+    fn top(&mut self, _torque: f64, misalignment: f64) -> Result<Sample, ContactError> {
+        let top = self.no_load_approach(misalignment) + self.level(misalignment).span;
+        self.solve(Prescribed::Approach(top), misalignment)
     }
 }

@@ -319,20 +319,12 @@ pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bo
         axes: axes.clone(),
     });
     axes.loa_force_n[0] = 0.0;
-    let stresses = |k: f64| {
-        let all = over(&axes, |x| stress_by_formula(x, k));
-        let [first, second] = [0, 1].map(|i| all.iter().map(|s| s[i]).collect::<Vec<_>>());
-        RootStressSamples::new([&first, &second])
-    };
+    let stresses = |k| RootStressSamples::new(&over(&axes, |x| stress_by_formula(x, k)));
     file.root_stress = Some(RootStressRecord {
         drive: stresses(1.0),
         coast: own_coast.then(|| stresses(-0.7)),
         axes: axes.clone(),
-        interpolation_error: RootStressError {
-            points: 0,
-            rms: 0.0,
-            maximum: 0.0,
-        },
+        interpolation_error: RootStressError::default(),
     });
     sealed(file)
 }

@@ -191,23 +191,20 @@ fn the_fillet_of_a_ring_is_an_arc_of_its_radius() {
 #[test]
 fn teeth_that_cannot_be_are_refused() {
     use ProfileError::{NoInvolute, PointedTooth, RoundTooLarge, TipInsideBase};
-    let low = |g: &mut Gear| g.tip_radius = g.base_radius() * 0.99;
-    let cases: [(_, fn(&mut Gear), _); 4] = [
-        (
-            external(12, 0.6, 0.0),
-            |g| g.tip_radius += 4e-3,
-            PointedTooth,
-        ),
-        (
-            external(20, 0.0, 0.0),
-            |g| g.tool_tip_radius_coefficient = 0.6,
-            RoundTooLarge,
-        ),
-        (external(20, 0.0, 0.0), low, NoInvolute),
-        (ring(40, 0.0, 0.0), low, TipInsideBase),
-    ];
-    for (mut gear, change, error) in cases {
-        change(&mut gear);
+    let mut pointed = external(12, 0.6, 0.0);
+    pointed.tip_radius += 4e-3;
+    let mut round = external(20, 0.0, 0.0);
+    round.tool_tip_radius_coefficient = 0.6;
+    let [mut short, mut short_ring] = [external(20, 0.0, 0.0), ring(40, 0.0, 0.0)];
+    for gear in [&mut short, &mut short_ring] {
+        gear.tip_radius = 0.99 * gear.base_radius();
+    }
+    for (gear, error) in [
+        (pointed, PointedTooth),
+        (round, RoundTooLarge),
+        (short, NoInvolute),
+        (short_ring, TipInsideBase),
+    ] {
         assert_eq!(ToothProfile::new(&gear), Err(error));
     }
 }

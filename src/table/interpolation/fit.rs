@@ -2,7 +2,7 @@
 
 use super::basis::{Basis, Ends};
 use crate::table::error::refused;
-use crate::table::{Axes, Axis, TableError};
+use crate::table::{Axis, TableError};
 
 /// A dense array over (centre distance, misalignment, displacement, mesh position), the last index fastest.
 #[derive(Debug, Clone)]
@@ -20,12 +20,6 @@ impl Block {
         let (n, stride) = (self.lengths[axis], self.stride(axis));
         (0..self.values.len() / (n * stride))
             .flat_map(move |outer| (0..stride).map(move |inner| outer * n * stride + inner))
-    }
-
-    pub fn combined(&self, axis: usize, row: &[f64]) -> Block {
-        self.mapped(axis, 1, |line| {
-            vec![row.iter().zip(line).map(|(w, x)| w * x).sum()]
-        })
     }
 
     /// The block with every line along `axis` taken by `map` to one of the length `length`.
@@ -139,7 +133,8 @@ pub struct Others<const N: usize> {
 }
 
 impl<const N: usize> Others<N> {
-    pub fn new([c, m, p]: [&[f64]; 3]) -> Result<Self, TableError> {
+    /// On axes with `nodes` in the order of the samples.
+    pub fn new([c, m, _, p]: [&[f64]; 4]) -> Result<Self, TableError> {
         let (c, along_c) = axis(c, Ends::Bounded, Axis::CenterDistance.name())?;
         let (m, along_m) = axis(m, Ends::Bounded, Axis::Misalignment.name())?;
         let (p, along_p) = axis(p, Ends::Periodic, Axis::MeshPosition.name())?;
@@ -147,11 +142,6 @@ impl<const N: usize> Others<N> {
             bases: [c, m, p],
             fits: [along_c, along_m, along_p],
         })
-    }
-
-    pub fn of(axes: &Axes) -> Result<Self, TableError> {
-        let [c, m] = [&axes.center_distance_offset, &axes.misalignment];
-        Self::new([c, m, &axes.mesh_position])
     }
 
     /// Coefficients for the values of `block`, which has `third` along its third axis.

@@ -6,7 +6,6 @@
 
 mod basis;
 mod fit;
-mod frame;
 mod kernel;
 mod shepard;
 mod tensor;

@@ -12,8 +12,7 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, axis, breaks, integrated, make_increasing};
-use super::frame::Frame;
-use super::kernel::{ANY, Jet, SECOND, Shape};
+use super::kernel::{ANY, Frame, Jet, SECOND, Shape};
 use super::tensor::Tensor;
 use crate::table::{Axis, COORDINATES, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;

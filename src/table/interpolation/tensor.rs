@@ -11,8 +11,7 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, Others, axis, breaks, integrated, make_increasing};
-use super::frame::{Frame, Framed};
-use super::kernel::{ANY, Coefficients, Shape};
+use super::kernel::{ANY, Coefficients, Frame, Framed, Shape};
 use crate::root::bisection;
 use crate::table::error::refused;
 use crate::table::{Axis, FlankGrid, Potential, Query, TableError};
@@ -50,7 +49,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         let degree = NF - 1;
         let nodes = &grid.axes.displacement_fraction;
         let (_, along_u) = axis::<NF>(nodes, Ends::Onset, Axis::Displacement.name())?;
-        let others = Others::<N>::of(&grid.axes)?;
+        let others = Others::<N>::new(grid.axes.nodes())?;
         let along_all = |samples: &[f64]| others.fit(&grid.block(samples), Some(&along_u));
         let force = along_all(&grid.loa_force);
         let least = least_increments(&force, degree);
@@ -195,7 +194,7 @@ impl<const N: usize> Tensor<3, N> {
                 lever.values[column] = spline(moment, start, u) / loa_force;
             }
         }
-        let others = Others::<N>::of(&grid.axes)?;
+        let others = Others::<N>::new(grid.axes.nodes())?;
         let [no_load, span] = [origin, span].map(|field| others.fit(&field, None));
         if span.values.iter().any(|&span| span <= 0.0) {
             let reason = "STE at this load is not positive everywhere, so there is no secant stiffness; raise nominalTorque or set \
@@ -253,8 +252,9 @@ fn limit_guards<const N: usize>(
         let far_out = |block: &Block| {
             let mut block = block.clone();
             for (axis, (basis, end)) in axes.into_iter().zip(ends).enumerate() {
-                if let Some(end) = end {
-                    block = block.combined(axis, &basis.far_end(end));
+                if let Some(row) = end.map(|end| basis.far_end(end)) {
+                    let far = |line: Vec<f64>| row.iter().zip(line).map(|(w, x)| w * x).sum();
+                    block = block.mapped(axis, 1, |line| vec![far(line)]);
                 }
             }
             block

@@ -4,13 +4,13 @@
 //! contact, in base pitches from where it touches at the pitch point. Neighbours are coupled through tooth roots and bodies: the load of
 //! one takes a part of the approach of the next. Teeth that differ enter as what their errors close of the gap of each pair.
 //!
-//! Tooth pair k closes by b_k = delta + e_k. What the others carry takes of that: it is left a_k = b_k - sum of c_|j-k| F_j, and
-//! carries F_k = dW1/da there. The compliances c depend on the misalignment M. The loads make
+//! Tooth pair k closes by b_k = delta + e_k. The forces on the others deflect it, so that a_k = b_k - sum of c_|j-k| F_j remains, and
+//! it carries F_k = dW1/da there. The coupling compliances c depend on the misalignment M. The loads make
 //!
 //! W = sum of W1(a_k) + sum over every two of c_|j-k| F_j F_k
 //!
 //! stationary, so that slopes of W are those at fixed loads: those of the W1 at fixed a_k and, by M, -c' F_j F_k of every two: twice
-//! that of what both are left, less once that of the second sum. The loads are also where the complementary energy
+//! that of what remains to both, less once that of the second sum. The loads are also where the complementary energy
 //!
 //! sum of (a_k - b_k) F_k - W1(a_k) + sum over every two of c_|j-k| F_j F_k
 //!
@@ -26,17 +26,16 @@ mod record;
 pub use record::{GearTeethRecord, TeethRecord};
 
 use super::interpolation::{Basis, Ends, axis};
-use super::runtime::flank_table;
 use super::{
-    COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadAxes, LoadJet,
-    LoadSpline, Potential, Query, TableError,
+    COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadJet, LoadSpline,
+    Potential, Query, TableError, flank_table,
 };
 use crate::friction::Sliding;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, PairGeometry};
 use crate::vector::Lanes;
 use nalgebra::SMatrix;
-use pairs::{MOST, Pair, Pairs, Taken};
+use pairs::{Compliances, MOST, Pair, Pairs};
 use std::sync::Arc;
 
 /// Steps at most; nearly all points take three or four.
@@ -122,15 +121,10 @@ impl TeethFlank {
             let passing = self.passing.as_ref();
             passing.map_or([0.0; 2], |passing| passing.closing(counts, k, tau))
         };
-        let coordinates = [
-            query.delta,
-            query.center_distance_offset,
-            query.misalignment,
-            tau,
-        ];
-        let mut pairs = self.pairs.near(coordinates, closing);
+        let [delta, c, m, _] = query.coordinates();
+        let mut pairs = self.pairs.in_mesh([delta, c, m, tau], closing);
         let mut sum = Potential {
-            out_of_range: pairs.all().iter().any(|pair| pair.found.out_of_range),
+            out_of_range: pairs.all().iter().any(|pair| pair.potential.out_of_range),
             ..Potential::default()
         };
         pairs.drop_idle();
@@ -180,19 +174,12 @@ impl PairTable {
             _ if !effects.friction => None,
             (None, _) | (_, None) => return Err(TableError::NO_FRICTION),
             (Some(samples), Some(_)) => {
-                let axes = LoadAxes {
-                    center_distance_offset_m: grid.axes.center_distance_offset.clone(),
-                    misalignment_rad: grid.axes.misalignment.clone(),
-                    loa_force_n: grid.axes.displacement_fraction.clone(),
-                    mesh_position: grid.axes.mesh_position.clone(),
-                };
-                Some(LoadSpline::new(&axes, samples, effects.axes())?)
+                let (nodes, columns) = (grid.axes.nodes(), samples.columns());
+                Some(LoadSpline::new(nodes, &columns, effects.axes())?)
             }
         };
-        let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);
-        let span = spans
-            .map(|(top, low)| top - low)
-            .fold(f64::INFINITY, f64::min);
+        let [_, spans] = grid.fields();
+        let span = spans.values.into_iter().fold(f64::INFINITY, f64::min);
         let mut coupling = Coupling::new(&grid.axes.misalignment, &record.coupling(flank))?;
         let (grid, pair) = flank_table(grid, &effects)?;
         if !effects.misalignment {
@@ -210,14 +197,9 @@ impl PairTable {
     }
 
     /// Where the table is looked up at `at` (approach, centre distance offset, misalignment, place).
-    fn query(&self, at: &[f64; COORDINATES]) -> Query {
+    fn query(&self, &[delta, c, m, place]: &[f64; COORDINATES]) -> Query {
         let [first, length] = self.places;
-        Query {
-            delta: at[0],
-            center_distance_offset: at[1],
-            misalignment: at[2],
-            mesh_position: (at[3] - first) / length,
-        }
+        Query::from([delta, c, m, (place - first) / length])
     }
 
     /// How the loads of `pairs` slide in `table`, which add up to `force` (N).
@@ -225,10 +207,10 @@ impl PairTable {
         let mut sum = [0.0; 4];
         for pair in pairs.all() {
             let q = self.query(&pair.at);
-            let (c, m) = (q.center_distance_offset, q.misalignment);
-            let jets = table.evaluate([self.pair.fraction(&q), c, m, q.mesh_position]);
+            let [_, c, m, p] = q.coordinates();
+            let jets = table.evaluate([self.pair.fraction(&q), c, m, p]);
             for (sum, LoadJet { value, .. }) in sum.iter_mut().zip::<[_; 4]>(jets) {
-                *sum += value * pair.found.gradient[0] / force;
+                *sum += value * pair.potential.gradient[0] / force;
             }
         }
         let [share, share_z, distance, weight] = sum;
@@ -254,7 +236,7 @@ impl PairTable {
 
     /// All tooth pairs within the table's places at (approach, centre distance offset, misalignment, mesh position), each as if
     /// it were alone; `closing`: what errors close of the gap of a pair, m, and its slope by mesh position.
-    fn near(&self, at: [f64; COORDINATES], closing: impl Fn(i32) -> [f64; 2]) -> Pairs {
+    fn in_mesh(&self, at: [f64; COORDINATES], closing: impl Fn(i32) -> [f64; 2]) -> Pairs {
         let [delta, c, m, tau] = at;
         let [first, length] = self.places;
         let mut pairs = Pairs {
@@ -275,18 +257,18 @@ impl PairTable {
                 closing_rate,
                 free,
                 at: free,
-                found: self.alone(&free),
+                potential: self.alone(&free),
             };
             pairs.count += 1;
         }
         pairs
     }
 
-    /// Finds what is left to each of `pairs`; false if it does not.
+    /// Finds the approach that remains to each of `pairs`; false if it does not.
     fn settle(&self, pairs: &mut Pairs) -> bool {
-        let (mut left, mut energy) = pairs.left();
+        let (mut remaining, mut energy) = pairs.remaining();
         for _ in 0..MOST_STEPS {
-            let (step, largest, slope) = pairs.newton(&left);
+            let (step, largest, slope) = pairs.newton(&remaining);
             if largest <= self.last_step {
                 pairs.correct(&step);
                 return true;
@@ -297,16 +279,16 @@ impl PairTable {
                 for n in 0..pairs.count {
                     let pair = &mut pairs.all[n];
                     pair.at[0] = here[n] + part * step[n];
-                    pair.found = self.alone(&pair.at);
+                    pair.potential = self.alone(&pair.at);
                 }
-                let (left_there, energy_there) = pairs.left();
+                let (remaining_there, energy_there) = pairs.remaining();
                 if energy_there.is_nan() {
                     return false;
                 }
                 let rounding = ROUNDING * (energy.abs() + energy_there.abs());
                 let promised = LEAST_GAIN * part * slope;
                 if energy_there <= energy + promised + rounding || part < LEAST_PART {
-                    (left, energy) = (left_there, energy_there);
+                    (remaining, energy) = (remaining_there, energy_there);
                     break;
                 }
                 part *= 0.5;
@@ -319,7 +301,7 @@ impl PairTable {
 /// Part of itself by which the compliance changes at most beyond an end of the misalignments.
 const BEYOND: f64 = 0.5;
 
-/// What a force on one tooth pair takes of the approach of the others, over the misalignment.
+/// Compliances between tooth pairs, over the misalignment.
 ///
 /// The next one shares tooth roots and the rim next to it, all of them the body. Under misalignment they carry at the same end of
 /// the face, where a force takes more from the others than a force at mid-face does. Each distance has a cubic spline over the
@@ -358,13 +340,13 @@ impl Coupling {
     }
 
     /// At the misalignment `m`, rad.
-    fn at(&self, m: f64) -> Taken {
+    fn at(&self, m: f64) -> Compliances {
         let (w, _) = self.basis.weights(Lanes::COMMON, m, 2);
-        let mut taken = [[0.0; 3]; MOST];
-        for (taken, coefficients) in taken[1..].iter_mut().zip(&self.coefficients) {
-            *taken = [w.value, w.slope, w.curvature].map(|weights| w.sum(&weights, coefficients));
+        let mut all = [[0.0; 3]; MOST];
+        for (compliance, coefficients) in all[1..].iter_mut().zip(&self.coefficients) {
+            *compliance = [&w.value, &w.slope, &w.curvature].map(|by| w.sum(by, coefficients));
         }
-        taken
+        all
     }
 }
 
@@ -378,11 +360,11 @@ fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling, length
     let nodes = (0..nc).flat_map(|c| (0..nm).map(move |m| (c, m)));
     let gains = nodes.map(|(c, m)| {
         let stiffness = |p: usize| {
-            let there = |u| pair.evaluate(&grid.query([c, m, u, p]), false);
-            largest((0..nu).map(|u| there(u).hessian[0][0]))
+            let potential = |u| pair.evaluate(&grid.query([c, m, u, p]), false);
+            largest((0..nu).map(|u| potential(u).hessian[0][0]))
         };
         let stiffness: Vec<f64> = (0..columns).map(stiffness).collect();
-        let taken = coupling.at(axes.misalignment[m]);
+        let compliances = coupling.at(axes.misalignment[m]);
         let first = places.iter().take_while(|p| **p * length < 1.0);
         largest(first.map(|p| {
             // Of the nodes on either side, and where they end.
@@ -395,7 +377,7 @@ fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling, length
                 }
             });
             let between = SMatrix::<f64, MOST, MOST>::from_fn(|i, j| {
-                taken[i.abs_diff(j)][0] * roots[i] * roots[j]
+                compliances[i.abs_diff(j)][0] * roots[i] * roots[j]
             });
             -between.symmetric_eigenvalues().min()
         }))

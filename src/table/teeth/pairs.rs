@@ -1,4 +1,4 @@
-//! Tooth pairs that share a load: what is left to each of its approach, and their sum.
+//! Tooth pairs that share a load: the approach of each under the forces on the others, and the sum of their potentials.
 
 use crate::table::{COORDINATES, Potential};
 use nalgebra::SMatrix;
@@ -6,9 +6,9 @@ use nalgebra::SMatrix;
 /// Most tooth pairs in mesh at once.
 pub const MOST: usize = 8;
 
-/// By how many base pitches two tooth pairs are apart: what the force on one takes of the approach of the other, m/N, its slope and
-/// its second derivative by the misalignment; at 0 nothing.
-pub type Taken = [[f64; 3]; MOST];
+/// Coupling compliance of two tooth pairs by how many base pitches they are apart, m/N, with its first and second derivative by the
+/// misalignment; at 0 nothing.
+pub type Compliances = [[f64; 3]; MOST];
 
 /// One tooth pair that may carry.
 #[derive(Debug, Clone, Copy, Default)]
@@ -17,12 +17,12 @@ pub struct Pair {
     pub k: i32,
     /// Slope by mesh position of what errors of its teeth close, m.
     pub closing_rate: f64,
-    /// Approach, centre distance offset, misalignment, place, before others take of it.
+    /// Approach, centre distance offset, misalignment and place, without the deflection under the forces on the others.
     pub free: [f64; COORDINATES],
-    /// Likewise, after.
+    /// Likewise, with it.
     pub at: [f64; COORDINATES],
     /// W1 there.
-    pub found: Potential,
+    pub potential: Potential,
 }
 
 /// Tooth pairs that may carry, ascending.
@@ -31,8 +31,8 @@ pub struct Pairs {
     pub all: [Pair; MOST],
     /// How many there are.
     pub count: usize,
-    /// What the forces on others take of the approach.
-    pub coupling: Taken,
+    /// How the force on one deflects the others.
+    pub coupling: Compliances,
 }
 
 impl Pairs {
@@ -41,10 +41,10 @@ impl Pairs {
         &self.all[..self.count]
     }
 
-    /// Without those that carry nothing: others take of their approach, so that they carry nothing with them, either.
+    /// Without those that carry nothing alone: the forces on others take of their approach, so they carry nothing then, either.
     pub fn drop_idle(&mut self) {
         let carrying = self.all.into_iter().take(self.count);
-        let carrying = carrying.filter(|pair| pair.found.gradient[0] != 0.0);
+        let carrying = carrying.filter(|pair| pair.potential.gradient[0] != 0.0);
         self.count = 0;
         for pair in carrying {
             self.all[self.count] = pair;
@@ -52,36 +52,35 @@ impl Pairs {
         }
     }
 
-    /// What the force of the pair with the index `other` takes of the approach of the `n`th, m/N, and its first and second
-    /// derivative by the misalignment.
-    fn between(&self, n: usize, other: usize) -> [f64; 3] {
+    /// Between the `n`th pair and that with the index `other`, as [`Compliances`].
+    fn compliance(&self, n: usize, other: usize) -> [f64; 3] {
         self.coupling[self.all[n].k.abs_diff(self.all[other].k) as usize]
     }
 
-    /// What all others take of the approach of the `n`th pair, m, and its first and second derivative by the misalignment, at
-    /// their forces as they are.
-    fn taken(&self, n: usize) -> [f64; 3] {
+    /// Deflection of the `n`th pair under the forces on all others as they are, m, and its first and second derivative by the
+    /// misalignment.
+    fn deflection(&self, n: usize) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (other, pair) in self.all().iter().enumerate() {
-            let by = self.between(n, other);
+            let by = self.compliance(n, other);
             for d in 0..3 {
-                sum[d] += by[d] * pair.found.gradient[0];
+                sum[d] += by[d] * pair.potential.gradient[0];
             }
         }
         sum
     }
 
-    /// b - C F of each, m, and the complementary energy, J, least where that is what they have.
-    pub fn left(&self) -> ([f64; MOST], f64) {
-        let mut left = [0.0; MOST];
+    /// Approach b - C F that remains to each, m, and the complementary energy, J, least where they have just that.
+    pub fn remaining(&self) -> ([f64; MOST], f64) {
+        let mut remaining = [0.0; MOST];
         let mut energy = 0.0;
         for (n, pair) in self.all().iter().enumerate() {
-            let [taken, ..] = self.taken(n);
-            left[n] = pair.free[0] - taken;
-            let force = pair.found.gradient[0];
-            energy += (pair.at[0] + 0.5 * taken - pair.free[0]) * force - pair.found.value;
+            let [deflection, ..] = self.deflection(n);
+            remaining[n] = pair.free[0] - deflection;
+            let force = pair.potential.gradient[0];
+            energy += (pair.at[0] + 0.5 * deflection - pair.free[0]) * force - pair.potential.value;
         }
-        (left, energy)
+        (remaining, energy)
     }
 
     /// Solution of (1 + C K) x = `right`, K the stiffnesses of all; NaN where there is none.
@@ -89,20 +88,20 @@ impl Pairs {
         let mut matrix = SMatrix::<f64, MOST, MOST>::identity();
         for n in 0..self.count {
             for other in (0..self.count).filter(|other| *other != n) {
-                let stiffness = self.all[other].found.hessian[0][0];
-                matrix[(n, other)] = self.between(n, other)[0] * stiffness;
+                let stiffness = self.all[other].potential.hessian[0][0];
+                matrix[(n, other)] = self.compliance(n, other)[0] * stiffness;
             }
         }
         let solution = matrix.lu().solve(right);
         solution.unwrap_or_else(|| SMatrix::from_element(f64::NAN))
     }
 
-    /// Newton's step towards a = b - C F, which is `left` now, its largest part, m, and the slope of the complementary energy
+    /// Newton's step towards a = b - C F, which is `remaining` now, its largest part, m, and the slope of the complementary energy
     /// along it, J.
-    pub fn newton(&self, left: &[f64; MOST]) -> ([f64; MOST], f64, f64) {
+    pub fn newton(&self, remaining: &[f64; MOST]) -> ([f64; MOST], f64, f64) {
         let mut distance = SMatrix::<f64, MOST, 1>::zeros();
         for (n, pair) in self.all().iter().enumerate() {
-            distance[n] = left[n] - pair.at[0];
+            distance[n] = remaining[n] - pair.at[0];
         }
         let step: [f64; MOST] = self.solved(&distance).into();
         let mut largest = 0.0f64;
@@ -112,7 +111,7 @@ impl Pairs {
             if step[n].abs() > largest || step[n].is_nan() {
                 largest = step[n].abs();
             }
-            slope -= distance[n] * pair.found.hessian[0][0] * step[n];
+            slope -= distance[n] * pair.potential.hessian[0][0] * step[n];
         }
         (step, largest, slope)
     }
@@ -120,7 +119,7 @@ impl Pairs {
     /// The last `step`: energy to second order in it, loads to first, by what is known of W1.
     pub fn correct(&mut self, step: &[f64; MOST]) {
         for (pair, step) in self.all[..self.count].iter_mut().zip(step) {
-            let w = &mut pair.found;
+            let w = &mut pair.potential;
             if w.gradient[0] == 0.0 {
                 continue;
             }
@@ -138,16 +137,16 @@ impl Pairs {
     pub fn total(&self, sum: &mut Potential, closing_curvature: Option<f64>) {
         let [mut energy, mut slope, mut curvature] = [0.0; 3];
         for (n, pair) in self.all().iter().enumerate() {
-            let w = &pair.found;
+            let w = &pair.potential;
             sum.value += w.value;
             for (total, own) in sum.gradient.iter_mut().zip(&w.gradient) {
                 *total += own;
             }
             sum.gradient[3] += w.gradient[0] * pair.closing_rate;
-            let half_taken = self.taken(n).map(|taken| 0.5 * w.gradient[0] * taken);
-            energy += half_taken[0];
-            slope += half_taken[1];
-            curvature += half_taken[2];
+            let half = self.deflection(n).map(|d| 0.5 * w.gradient[0] * d);
+            energy += half[0];
+            slope += half[1];
+            curvature += half[2];
         }
         sum.value += energy;
         sum.gradient[2] -= slope;
@@ -157,7 +156,7 @@ impl Pairs {
         self.curvatures::<COORDINATES>(&mut sum.hessian);
         sum.hessian[2][2] -= curvature;
         for pair in self.all() {
-            sum.hessian[3][3] += pair.found.gradient[0] * closing_curvature;
+            sum.hessian[3][3] += pair.potential.gradient[0] * closing_curvature;
         }
     }
 
@@ -170,7 +169,7 @@ impl Pairs {
                 row[i] = 1.0;
             }
             if R == COORDINATES {
-                slopes[0][2] = -self.taken(n)[1];
+                slopes[0][2] = -self.deflection(n)[1];
                 slopes[0][3] = pair.closing_rate;
             }
         }
@@ -183,8 +182,8 @@ impl Pairs {
                 }
                 // What the other coordinates of others change in their loads.
                 for other in 0..self.count {
-                    let force = &self.all[other].found.hessian[0];
-                    let [by, ..] = self.between(n, other);
+                    let force = &self.all[other].potential.hessian[0];
+                    let [by, ..] = self.compliance(n, other);
                     for (j, x) in (1..COORDINATES).flat_map(|j| (0..R).map(move |x| (j, x))) {
                         right[(n, x)] -= by * force[j] * free[other][j][x];
                     }
@@ -196,7 +195,7 @@ impl Pairs {
             }
         }
         for (n, pair) in self.all().iter().enumerate() {
-            let h = &pair.found.hessian;
+            let h = &pair.potential.hessian;
             for i in 0..COORDINATES {
                 for x in 0..R {
                     let along: f64 = (0..COORDINATES).map(|j| h[i][j] * slopes[n][j][x]).sum();

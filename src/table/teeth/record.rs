@@ -89,20 +89,15 @@ impl GearTeethRecord {
     fn check(&self, name: &str, teeth: u32) -> Result<(), TableError> {
         let count = self.index_m.len();
         if count != 0 && count != teeth as usize {
-            let reason = format!("the gear has {teeth} teeth");
-            return refused(
-                &format!("{name}.index_m"),
-                format!("{count} numbers"),
-                reason,
-            );
+            let (field, value) = (format!("{name}.index_m"), format!("{count} numbers"));
+            return refused(&field, value, format!("the gear has {teeth} teeth"));
         }
-        let is_length = |x: &f64| x.abs() <= LARGEST_ERROR;
-        let reason = format!("errors of teeth are at most {LARGEST_ERROR} m");
-        if let Some(i) = self.index_m.iter().position(|x| !is_length(x)) {
-            return refused(&format!("{name}.index_m[{i}]"), self.index_m[i], reason);
-        }
-        if !is_length(&self.runout_m) {
-            return refused(&format!("{name}.runout_m"), self.runout_m, reason);
+        let lengths = (self.index_m.iter().enumerate()).map(|(i, x)| (format!("index_m[{i}]"), *x));
+        for (field, length) in lengths.chain([("runout_m".to_owned(), self.runout_m)]) {
+            if length.is_nan() || length.abs() > LARGEST_ERROR {
+                let reason = format!("errors of teeth are at most {LARGEST_ERROR} m");
+                return refused(&format!("{name}.{field}"), length, reason);
+            }
         }
         if !self.runout_angle_rad.is_finite() {
             let field = format!("{name}.runout_angle_rad");

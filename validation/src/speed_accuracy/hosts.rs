@@ -66,7 +66,6 @@ pub fn cost(context: &Context, data: &Data) -> Result<()> {
             let contents = Contents {
                 name,
                 geometry: &tables.geometry,
-                tables: Some(&tables),
                 contact: None,
                 starts: &Starts::of_tables(&tables)?
                     .with(&[format!("coupling={coupling}").parse()?]),

@@ -69,7 +69,7 @@ fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
     ];
     let mut thin = grid.clone();
     for (axis, step) in axes.into_iter().zip(steps) {
-        let nodes = thin.axes.along_mut(axis).clone();
+        let nodes = thin.axes.nodes()[axis as usize].to_vec();
         let nominal = (0..nodes.len()).min_by(|&i, &j| nodes[i].abs().total_cmp(&nodes[j].abs()));
         // The last displacement, the top load, is the one that must stay.
         let first = if axis == Axis::Displacement {

@@ -2,21 +2,13 @@
 
 use approx::assert_abs_diff_eq;
 
-use super::file::PairFile;
 use super::*;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{GearKind, ToothProfile};
 
 #[test]
-fn the_papers_pair_has_its_contact_ratios_force_and_relief() {
-    let g = pair(UNMODIFIED, "{}").geometry;
-    let transverse = g.transverse_contact_ratio(g.center_distance);
-    assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
-    assert_abs_diff_eq!(g.overlap_ratio(), 0.448, epsilon = 1e-3);
+fn the_papers_pair_has_its_relief_on_both_gears_and_flanks() {
     let pair = pair(PAPER, "{}");
-    let [gear, _] = &pair.geometry.gears;
-    let force = pair.operating.nominal_torque / gear.base_radius() / gear.base_helix_angle().cos();
-    assert_abs_diff_eq!(force, 2660.4, epsilon = 0.1);
     for (gear, m) in pair.geometry.gears.iter().zip(&pair.microgeometry.drive) {
         let removal = |radius: f64| m.removal(gear, gear.roll_length(radius), 12.5e-3);
         assert_abs_diff_eq!(removal(41.052e-3), 0.0, epsilon = 1e-12);
@@ -47,8 +39,8 @@ fn shipped_pairs_are_accepted_and_nothing_of_them_is_suspicious() {
 fn the_backlash_of_the_file_is_left_at_the_default_centre_distance() {
     for text in [SPUR, HELICAL, INTERNAL] {
         let g = pair(text, r#"{"center_distance_mm": null}"#).geometry;
-        let (c, file) = (g.center_distance, serde_json::from_str::<PairFile>(text));
-        let backlash = 1e-6 * file.unwrap().backlash_um.unwrap();
+        let (c, file) = (g.center_distance, serde_json::from_str::<Value>(text));
+        let backlash = 1e-6 * file.unwrap()["backlash_um"].as_f64().unwrap();
         let cos_phi = g.operating_pressure_angle(c).cos();
         assert_abs_diff_eq!(g.backlash(c), backlash * cos_phi, epsilon = 1e-12);
     }
@@ -90,24 +82,18 @@ fn stated_defaults_are_those_that_are_filled_in() {
 
 #[test]
 fn a_ring_may_be_gear_1_and_its_default_tip_clears_the_pinion() {
-    let mut swapped: PairFile = serde_json::from_str(INTERNAL).unwrap();
-    let read = |file: &PairFile| from_json(&serde_json::to_string(file).unwrap()).unwrap();
-    std::mem::swap(&mut swapped.gear1, &mut swapped.gear2);
-    swapped.gear1.tip_diameter_mm = None;
-    swapped.gear1.tip_relief = None;
-    swapped.gear2.tip_relief = None;
-    let g = read(&swapped).geometry;
+    let mut swapped: Value = serde_json::from_str(INTERNAL).unwrap();
+    let [pinion, ring] = ["gear1", "gear2"].map(|gear| swapped[gear].take());
+    (swapped["gear1"], swapped["gear2"]) = (ring, pinion);
+    let patch = r#"{"gear1": {"tip_diameter_mm": null, "tip_relief": null}, "gear2": {"tip_relief": null}}"#;
+    let g = pair(&swapped.to_string(), patch).geometry;
     assert_eq!((g.ring(), g.sc()), (Some(0), 1.0));
     assert_eq!(g.gears[1].kind, GearKind::External);
     // Few teeth in a small ring: an addendum of one module would reach the pinion's fillet.
-    swapped.gear2.teeth = 18;
-    swapped.gear1.teeth = 36;
-    swapped.gear1.rim_diameter_mm = None;
-    swapped.center_distance_mm = None;
-    std::mem::swap(&mut swapped.gear1, &mut swapped.gear2);
-    swapped.gear1.tip_diameter_mm = None;
-    swapped.gear1.bore_diameter_mm = Some(12.0);
-    let pair = read(&swapped);
+    let patch = r#"{"center_distance_mm": null,
+        "gear1": {"teeth": 18, "bore_diameter_mm": 12, "tip_diameter_mm": null, "tip_relief": null},
+        "gear2": {"teeth": 36, "rim_diameter_mm": null, "tip_diameter_mm": null, "tip_relief": null}}"#;
+    let pair = pair(INTERNAL, patch);
     assert!(is_noted(&pair, "tips of the ring are shortened from"));
     let g = pair.geometry;
     let form = ToothProfile::new(&g.gears[0]).unwrap().form_roll();

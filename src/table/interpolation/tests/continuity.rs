@@ -1,9 +1,6 @@
 //! The onset, the cells' ends, the turn of the mesh cycle, and what lies beyond the ends of the axes.
 
-use super::{ALL, SCALE, moved, point, sequence, with};
-use crate::root::bisection;
-use crate::table::samples::Spring;
-use crate::table::{FlankGrid, FlankTable, Interpolation, Query};
+use super::*;
 
 #[test]
 fn force_is_exactly_zero_up_to_the_onset_and_starts_without_a_kink() {
@@ -38,12 +35,8 @@ fn spline_force_is_twice_continuously_differentiable_across_every_cell() {
         (2, &axes.misalignment),
         (3, &axes.mesh_position),
     ] {
-        let inner = if i == 3 {
-            &nodes[..]
-        } else {
-            &nodes[1..nodes.len() - 1]
-        };
-        for &node in inner {
+        let ends = usize::from(i != 3);
+        for &node in &nodes[ends..nodes.len() - ends] {
             for n in 0..20 {
                 let q = with(&point(n, 1.0), i, node);
                 let a = table.evaluate(&moved(&q, i, -step * SCALE[i]), true);
@@ -91,20 +84,20 @@ fn leaving_the_range_of_any_axis_is_said_and_staying_within_it_is_not() {
     let grid = Spring::grid([10, 5, 7, 16]);
     let secant = |i| FlankTable::constant_load(&grid, i, 60.0).unwrap();
     let tables = ALL.map(|i| FlankTable::new(&grid, i).unwrap());
+    let is_outside = |table: &FlankTable, i: usize, by: f64| {
+        let w = table.evaluate(&moved(&INSIDE, i, by), true);
+        w.out_of_range
+    };
     for table in &tables {
-        assert!(!table.evaluate(&INSIDE, false).out_of_range);
-        assert!(table.evaluate(&moved(&INSIDE, 0, 6e-6), false).out_of_range);
+        assert!(!is_outside(table, 0, 0.0) && is_outside(table, 0, 6e-6));
     }
     for table in tables.iter().chain(&ALL.map(secant)) {
         for (i, end) in ENDS {
-            let at = |share: f64| {
-                table
-                    .evaluate(&moved(&INSIDE, i, share * end), true)
-                    .out_of_range
-            };
-            assert!(!at(0.999) && at(1.001) && at(100.0), "axis {i}, {end}");
+            let [within, beyond, far] =
+                [0.999, 1.001, 100.0].map(|share| is_outside(table, i, share * end));
+            assert!(!within && beyond && far, "axis {i}, {end}");
         }
-        assert!(!table.evaluate(&moved(&INSIDE, 3, 1e4), false).out_of_range);
+        assert!(!is_outside(table, 3, 1e4));
     }
 }
 
@@ -164,12 +157,8 @@ fn force_and_side_terms_have_continuous_slopes_across_the_ends_whatever_the_samp
                 }
             }
             for k in 0..4 {
-                assert!(
-                    jump[k] < 1e-4 * size[k],
-                    "{interpolation:?} {k}: {} of {}",
-                    jump[k],
-                    size[k]
-                );
+                let named = format!("{interpolation:?} {k}: {jump:?} of {size:?}");
+                assert!(jump[k] < 1e-4 * size[k], "{named}");
             }
         }
     }

@@ -1,10 +1,6 @@
 //! Derivatives against finite differences; the width of the registers changes no bit.
 
-use super::{ALL, SCALE, moved, point, shapes};
-use crate::root::bisection;
-use crate::table::samples::Spring;
-use crate::table::{FlankTable, Interpolation, Potential, Query};
-use crate::vector::Lanes;
+use super::*;
 
 const EVERY: [usize; 4] = [0, 1, 2, 3];
 

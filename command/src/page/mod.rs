@@ -1,11 +1,12 @@
 //! An HTML page of sections with text, tables and charts, by `templates/page.html`. Charts are data: one description gives the
 //! picture, the CSV file, and a comparison of two variants.
 
+mod draw;
+
 use std::path::Path;
 
 use askama::Template;
 
-use super::draw;
 use crate::{Result, output};
 
 #[derive(Template, Default)]
@@ -49,10 +50,8 @@ fn slug(title: &str) -> String {
     // A sign distinguishes two charts.
     let title = title.replace(" -", " minus ").to_lowercase();
     let words = title.split(|c: char| !c.is_alphanumeric());
-    words
-        .filter(|w| !w.is_empty())
-        .collect::<Vec<_>>()
-        .join("-")
+    let words: Vec<&str> = words.filter(|w| !w.is_empty()).collect();
+    words.join("-")
 }
 
 impl Page {
@@ -193,30 +192,20 @@ fn cells(nodes: &[f64]) -> Vec<[f64; 2]> {
 
 /// Charts: `"title", [label of x, of y], height => curves;` or `"title", [label of x, of y, of the scale] => map;` for each.
 macro_rules! charts {
+    (@ $height:expr, $curves:expr) => { $crate::page::Plot::Lines($height, $curves) };
+    (@ $map:expr) => { $crate::page::Plot::Map($map) };
     ($($title:expr, $labels:expr $(, $height:expr)? => $drawn:expr;)*) => {
-        vec![$($crate::report::page::Figure::new($title, &$labels, ($($height,)? $drawn))),*]
+        vec![$($crate::page::Figure::new($title, &$labels, charts!(@ $($height,)? $drawn))),*]
     };
 }
 pub(crate) use charts;
 
-impl From<(Height, Vec<Curve>)> for Plot {
-    fn from((height, curves): (Height, Vec<Curve>)) -> Plot {
-        Plot::Lines(height, curves)
-    }
-}
-
-impl From<Map> for Plot {
-    fn from(map: Map) -> Plot {
-        Plot::Map(map)
-    }
-}
-
 impl Figure {
-    pub fn new(title: impl Into<String>, labels: &[&str], plot: impl Into<Plot>) -> Figure {
+    pub fn new(title: impl Into<String>, labels: &[&str], plot: Plot) -> Figure {
         Figure {
             title: title.into(),
             labels: labels.iter().map(|label| label.to_string()).collect(),
-            plot: plot.into(),
+            plot,
         }
     }
 
@@ -294,7 +283,8 @@ mod tests {
         assert_eq!(map.patches[4].value, Some(4.0));
         let map = map.cut(1.0, 3.0);
         assert_eq!(map.patches[0].ends[0], [1.0, 1.5]);
-        let csv = Figure::new("", &["x", "y", "v"], map).csv().unwrap();
+        let figure = Figure::new("", &["x", "y", "v"], Plot::Map(map));
+        let csv = figure.csv().unwrap();
         assert!(csv.starts_with(b"x,y,v\n1.0,10.0,0.0\n2.0,10.0,1.0\n"));
     }
 
@@ -302,13 +292,16 @@ mod tests {
     fn a_comparison_is_in_the_same_chart_on_the_same_scale() {
         let lines = |y: f64| {
             let curve = Curve::new("STE", [(0.0, y), (1.0, f64::NAN)]);
-            Figure::new("", &["x", "y"], (Height::FromZero(0.0), vec![curve]))
+            charts! { "", ["x", "y"], Height::FromZero(0.0) => vec![curve]; }.remove(0)
         };
         let mut figure = lines(1.0);
         assert!(figure.compare(lines(2.0), "other").is_none());
         let csv = figure.csv().unwrap();
         assert_eq!(csv, b"curve,x,y\nSTE,0.0,1.0\nSTE (other),0.0,2.0\n");
-        let map = |value| Figure::new("p", &[""; 3], Map::on_nodes([&[0.0]; 2], [value], 0.0));
+        let map = |value| {
+            let map = Map::on_nodes([&[0.0]; 2], [value], 0.0);
+            Figure::new("p", &[""; 3], Plot::Map(map))
+        };
         let mut figure = map(1.0);
         let other = figure.compare(map(3.0), "other").unwrap();
         assert_eq!(other.title, "p (other)");

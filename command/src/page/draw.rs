@@ -6,7 +6,7 @@ use gearmesh::words::fixed;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::page::{Curve, Height, Map, Style};
+use super::{Curve, Height, Map, Style};
 use crate::Result;
 
 const SIZE: (u32, u32) = (1400, 800);

@@ -231,7 +231,7 @@ def run(*arguments: object) -> str:
     CommandError
         The command failed; with its message, which names field, value and remedy.
     """
-    done = subprocess.run([executable(), *map(str, arguments)], capture_output=True, text=True)
+    done = subprocess.run([executable(), *map(str, arguments)], capture_output=True, encoding="utf-8")
     if done.returncode != 0:
         message = done.stderr.strip().removeprefix("gearmesh: error: ")
         raise CommandError(message or f"gearmesh {arguments[0]} ended with status {done.returncode}")
@@ -278,7 +278,7 @@ def pack(source: Pair, out: str | Path, *, set: Mapping[str, Value] | None = Non
         Of the FMU.
     """
     with _file(source) as file:
-        kind = "--tables" if "axes" in json.loads(Path(file).read_text(encoding="utf-8")) else "--pair"
+        kind = "--tables" if inspect(file).kind == "tables" else "--pair"
         run("pack", kind, file, "-o", out, *_settings(set))
     return Path(out)
 
@@ -452,7 +452,7 @@ def _file(pair: Pair) -> Iterator[str | Path]:
         yield pair
         return
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder, f"{pair.get('name', 'pair')}.json")
+        file = Path(folder, "pair.json")
         file.write_text(json.dumps(pair), encoding="utf-8")
         yield file
 

@@ -245,7 +245,8 @@ impl Element {
         Some((loads, force))
     }
 
-    /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s.
+    /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s. The line
+    /// of centres turns as it does now, as on a planet carrier: on straight lines the centres would part by half the square of its angle.
     pub(super) fn moved(&self, inputs: &Inputs, time: f64, y: f64, u: f64) -> Inputs {
         let after = |body: &Motion| Motion {
             p: body.p + body.v * time,
@@ -256,6 +257,12 @@ impl Element {
             gears: inputs.gears.each_ref().map(after),
             carrier: after(&inputs.carrier),
         };
+        let [gear1, gear2] = &inputs.gears;
+        let (p, v) = (gear2.p - gear1.p, gear2.v - gear1.v);
+        let turning = p.cross(&v) / p.norm_squared();
+        let turn = Rotation3::new(turning * time);
+        there.gears[1].p = there.gears[0].p + turn * (p + (v - turning.cross(&p)) * time);
+        there.gears[1].v = gear1.v + turn * v;
         let per_radius = 1.0 / self.constants.rb[0];
         let gear = &mut there.gears[0];
         let axis = gear.r.column(2).into_owned();

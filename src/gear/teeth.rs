@@ -1,14 +1,15 @@
 //! Teeth that differ from each other: index errors, run-out, and single teeth with a flank or a compliance of their own.
 //!
-//! Teeth are counted from 0 in +theta of their own gear (body frame). Tooth 0 of gear 1 is that at body +x in the phase
-//! reference `absolute`, else that which touches at the start; tooth 0 of gear 2 is that which touches the drive flank
-//! of gear 1's tooth 0 (with gears that start elsewhere on the circle: that would). Errors are positive where
+//! Teeth are counted from 0 in +theta of their own gear (body frame). Tooth 0 of gear 1 is that at body +x (of a ring, whose
+//! space is there, the one before it) in the phase reference `absolute`, else that which touches at the start; tooth 0 of gear 2
+//! is that which touches the drive flank of gear 1's tooth 0 (with gears that start elsewhere on the circle: that would, were gear 2
+//! turned with its body +x towards gear 1). Errors are positive where
 //! the flank stands further out, towards its mate: they close the gap along the line of action.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-use super::{BothFlanks, Flank, Microgeometry, PairGeometry};
+use super::{BothFlanks, Flank, GearKind, Microgeometry, PairGeometry};
 
 /// Eccentricity of the teeth of a gear against its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -150,16 +151,22 @@ impl Passing {
             return None;
         }
         let (s, e, gears) = (flank.sign(), geometry.e(), &geometry.gears);
+        // The teeth at the pitch point where mesh positions are 0: on the drive flank tooth 0 of both gears. On the coast flank the gap
+        // of gear 1's tooth 0 in which gear 2's tooth 0 stands is across: external teeth meet the next one of gear 2, those of a pinion
+        // in a ring the one before. A ring as gear 1 counts from a space, whose other side is the next tooth.
+        let first_on_coast = match (gears[0].kind, gears[1].kind) {
+            (GearKind::Ring, _) => [1.0, 0.0],
+            (_, GearKind::Ring) => [0.0, -1.0],
+            _ => [0.0, 1.0],
+        };
         let gear = |i: usize, sense: f64, facing: f64| PassingGear {
             errors: errors[i].clone(),
             teeth: gears[i].z(),
             kappa: gears[i].kappa(),
             sense,
-            // The mate of the coast flank stands one tooth behind.
-            first: if i == 1 && flank == Flank::Coast {
-                -1.0
-            } else {
-                0.0
+            first: match flank {
+                Flank::Drive => 0.0,
+                Flank::Coast => first_on_coast[i],
             },
             facing,
             pressure_angle: geometry.operating_pressure_angle(geometry.center_distance),

@@ -144,3 +144,39 @@ fn poses_that_do_not_follow_from_the_velocities_and_steps_too_long_get_the_loads
         assert_eq!(moved.loads, Loads::at(&moved.outputs));
     }
 }
+
+/// A loaded mesh that turns with its line of centres, as on a planet carrier, has the loads of the pose, turned.
+#[test]
+fn predicted_loads_do_not_depend_on_how_fast_the_line_of_centres_turns() {
+    const LENGTH: f64 = 10e-6;
+    for (formulation, pair) in formulations_and_pairs(1.0) {
+        for coupling in [Coupling::Sequential, Coupling::Parallel] {
+            let element = constant(&pair, formulation, LoadedFlank::Drive);
+            let phase = nominal_phase(&element);
+            let start = compressed(&element, 1.0, 5e-6);
+            let predicted = |rate: f64| {
+                let (mut last, mut loads) = (None, Loads([0.0; Loads::ROWS.len()]));
+                for n in 0..4 {
+                    let turn = Rotation3::new(Vector3::z() * (rate * LENGTH * f64::from(n)));
+                    let mut inputs = moved(&start, &turn, &Vector3::zeros());
+                    let w = Vector3::z() * rate;
+                    for body in inputs.gears.iter_mut().chain([&mut inputs.carrier]) {
+                        (body.v, body.w) = (w.cross(&body.p), w);
+                    }
+                    let request = StepRequest {
+                        coupling,
+                        length: LENGTH,
+                        effective_mass: 0.5,
+                    };
+                    let workspace = &mut Workspace::default();
+                    let found =
+                        element.predict(&phase, &inputs, last.as_ref(), &request, workspace);
+                    let found = found.unwrap();
+                    (last, loads) = (found.step, found.loads);
+                }
+                loads.0[13]
+            };
+            assert_relative_eq!(predicted(600.0), predicted(0.0), max_relative = 1e-6);
+        }
+    }
+}

@@ -1,8 +1,8 @@
 //! Claims about which teeth the element says are in mesh.
 
 use super::*;
-use crate::gear::PairGeometry;
-use crate::gear::teeth::Counts;
+use crate::gear::teeth::{Counts, PairTeeth, Passing, Runout};
+use crate::gear::{Flank, GearKind, PairGeometry};
 use crate::table::{Potential, Query};
 use std::sync::Mutex;
 
@@ -116,4 +116,104 @@ fn a_law_that_fails_while_phases_are_taken_is_no_gap() {
     let element = element(&Arc::new(Fails));
     let refused = element.phase_offset(&element.nominal_inputs()).unwrap_err();
     assert_eq!(refused.to_string(), "no solve succeeds");
+}
+
+/// A linear spring between teeth that differ, one pair of them at a time.
+struct Unlike(Option<Passing>);
+
+impl Elasticity for Unlike {
+    fn evaluate(&self, query: &Query, counts: Counts, _: bool) -> Result<Potential, String> {
+        let closing = |teeth: &Passing| teeth.closing(counts, 0, query.mesh_position)[0];
+        let delta = query.delta + self.0.as_ref().map_or(0.0, closing);
+        let mut w = Potential::default();
+        if query.delta > 0.0 {
+            (w.value, w.gradient[0], w.hessian[0][0]) = (0.5e8 * delta * delta, 1e8 * delta, 1e8);
+        }
+        Ok(w)
+    }
+
+    fn tells_teeth_apart(&self) -> bool {
+        true
+    }
+}
+
+/// A gear with run-out is one that stands off its axis, wherever its flanks touch: where the teeth stand out most follows from
+/// either flank, and is counted from the same tooth.
+#[test]
+fn run_out_displaces_one_tooth_of_a_gear_whichever_flank_touches() {
+    const ANGLE: f64 = 0.4;
+    const ECCENTRICITY: f64 = 1e-7;
+    for pair in three_pairs(0.0) {
+        for gear in 0..2 {
+            let mut errors = PairTeeth::default();
+            for flank in [&mut errors.drive, &mut errors.coast] {
+                flank[gear].runout = Some(Runout {
+                    amount: 2.0 * ECCENTRICITY,
+                    angle: ANGLE,
+                });
+            }
+            let element = |errors: &PairTeeth| {
+                let law = |flank| Arc::new(Unlike(Passing::new(&pair, errors, flank)));
+                let [drive, coast] = [Flank::Drive, Flank::Coast].map(law);
+                let parameters = undamped(Formulation::Conjugate, LoadedFlank::Both);
+                Element::with_laws(&pair, &parameters, drive, Some(coast)).unwrap()
+            };
+            let (eccentric, round) = (element(&errors), element(&PairTeeth::default()));
+            let phase = PhaseOffset {
+                mesh_position: 0.0,
+                ..nominal_phase(&round)
+            };
+            let teeth = [0, 1].map(|i| f64::from(pair.gears[i].teeth));
+            let centre = |s: f64| {
+                // First harmonics over a turn of the gear, of its run-out and of a displacement along its own x axis.
+                let (mut runout, mut displaced) = ([0.0; 2], [0.0; 2]);
+                for n in 0..24 {
+                    let turn = TAU * f64::from(n) / 24.0;
+                    let ratio = -pair.e() * teeth[gear] / teeth[1 - gear];
+                    let pose = spun(
+                        &spun(&compressed(&round, s, 100e-6), gear, turn),
+                        1 - gear,
+                        ratio * turn,
+                    );
+                    let force = |element: &Element, inputs: &Inputs| {
+                        element.evaluate(&phase, inputs).unwrap().normal_force
+                    };
+                    let at = |shift: f64| {
+                        let mut pose = pose;
+                        pose.gears[gear].p += pose.gears[gear].r.column(0) * shift;
+                        force(&round, &pose)
+                    };
+                    let of_runout = force(&eccentric, &pose) - force(&round, &pose);
+                    let of_shift = 0.5 * (at(ECCENTRICITY) - at(-ECCENTRICITY));
+                    for (sum, x) in [(&mut runout, of_runout), (&mut displaced, of_shift)] {
+                        sum[0] += x * turn.cos();
+                        sum[1] -= x * turn.sin();
+                    }
+                }
+                let [size, whole] = [runout, displaced].map(|[re, im]| re.hypot(im));
+                assert_relative_eq!(size, whole, max_relative = 0.01);
+                let [phase, of_x] = [runout, displaced].map(|[re, im]| im.atan2(re));
+                (phase - of_x - ANGLE) / TAU * teeth[gear]
+            };
+            // In pitches; tooth and space are of the same width for the run-out, which these shifted gears' are not quite.
+            let apart = |a: f64, b: f64| {
+                let turn = teeth[gear];
+                ((a - b + 0.5 * turn).rem_euclid(turn) - 0.5 * turn).abs()
+            };
+            let [drive, coast] = [1.0, -1.0].map(centre);
+            let kinds = pair.gears.each_ref().map(|g| g.kind);
+            assert!(
+                apart(drive, coast) < 0.3,
+                "{kinds:?} gear {gear}: {drive} {coast}"
+            );
+            if gear == 0 {
+                let first = if pair.gears[0].kind == GearKind::Ring {
+                    -0.5
+                } else {
+                    0.0
+                };
+                assert!(apart(drive, first) < 0.15, "{kinds:?}: {drive}");
+            }
+        }
+    }
 }

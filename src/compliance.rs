@@ -21,7 +21,7 @@ pub struct BeyondModel {
 /// A piece of a contact line as one gear sees it, in canonical coordinates of that gear: a
 /// right-handed gear whose loaded flank faces +theta ([`Segment::tooth`] counts in +theta, `z` from
 /// the z = 0 face). The contact solver maps left-handed gears and the other flank onto it by mirrors.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Segment {
     /// Number of the tooth, counted in +theta from the one that touches at the pitch point at mesh
     /// position 0. Only differences matter.

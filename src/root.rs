@@ -2,11 +2,17 @@
 
 /// Where `is_below` turns from true to false between `low` and `high`: the middle of what is left of them after `halvings`.
 /// It needs no more than that `is_below` turns once; where it never does, this is the end that it points to.
-pub fn bisection(
+pub fn bisection(ends: [f64; 2], halvings: usize, is_below: impl FnMut(f64) -> bool) -> f64 {
+    let [low, high] = bracket(ends, halvings, is_below);
+    0.5 * (low + high)
+}
+
+/// What is left of the interval after `halvings`: the end at which `is_below` holds, and the one at which it does not.
+pub fn bracket(
     [mut low, mut high]: [f64; 2],
     halvings: usize,
     mut is_below: impl FnMut(f64) -> bool,
-) -> f64 {
+) -> [f64; 2] {
     for _ in 0..halvings {
         let middle = 0.5 * (low + high);
         if is_below(middle) {
@@ -15,7 +21,7 @@ pub fn bisection(
             high = middle;
         }
     }
-    0.5 * (low + high)
+    [low, high]
 }
 
 #[cfg(test)]

@@ -373,10 +373,10 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
                 let offset = out.center_distance - geometry.center_distance;
                 let force = out.normal_force * geometry.base_helix_angle().cos();
                 let torque = force * geometry.gears[0].base_radius();
-                let place = (Flank::Drive, out.mesh_position, offset);
-                let problem = solver.position(place.0, place.1, place.2).unwrap();
+                let problem = solver.position(Flank::Drive, out.mesh_position, offset);
+                let problem = problem.unwrap();
                 let result = problem.solve_torque(torque, out.misalignment, None);
-                let direct = PositionRoots::new(&solver, &problem, place, &models).unwrap();
+                let direct = PositionRoots::new(&problem, &models);
                 let direct = direct.largest(&result.unwrap()).unwrap();
                 for (found, known) in out.root_stress.iter().zip(direct) {
                     largest = largest.max((found / known - 1.0).abs());

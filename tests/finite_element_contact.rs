@@ -72,7 +72,7 @@ fn loads(pair: &Pair, case: &Value) -> Vec<([f64; 2], Found)> {
             let result = problem
                 .solve_torque(*torque, 1e-3 * *misalignment, None)
                 .unwrap();
-            let centroid = problem.load_centroid(&result);
+            let centroid = result.load_centroid();
             for ([here, there], value, key) in [
                 (&mut found.ste, 1e6 * result.approach, "ste_um"),
                 (&mut found.contact_z, 1e3 * result.contact_z, "contact_z_mm"),

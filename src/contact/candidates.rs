@@ -1,22 +1,12 @@
 //! The segments of contact lines that may touch at one position of the mesh.
 
-use super::closest::Flanks;
+use super::gap::{Flanks, GapProfile};
 use super::local_law::POINTS;
-use super::profile::GapProfile;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
 use crate::compliance::Segment;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
-
-/// What a segment is known by in all positions of the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SegmentName {
-    /// See [`Candidate::tooth_pair`].
-    pub tooth_pair: i32,
-    /// See [`Candidate::station`].
-    pub station: usize,
-}
 
 /// A segment of one contact line that may carry load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,14 +35,6 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// What it is known by in all positions of the mesh.
-    pub fn name(&self) -> SegmentName {
-        SegmentName {
-            tooth_pair: self.tooth_pair,
-            station: self.station,
-        }
-    }
-
     /// Middle in gear 1's frame, m.
     pub fn middle(&self) -> f64 {
         0.5 * (self.z[0] + self.z[1])
@@ -82,116 +64,89 @@ fn points(z: [f64; 2]) -> [f64; POINTS] {
     std::array::from_fn(|q| z[0] + (z[1] - z[0]) * (q as f64 + 0.5) / POINTS as f64)
 }
 
-/// The contact lines of one flank: what does not change with the position of the mesh.
+/// The contact lines of one flank at one position of the mesh.
+#[derive(Clone)]
 pub struct ContactLines<'a> {
     /// The pair and its discretisation.
     pub setup: &'a ContactSetup,
-    /// Transverse section at the centre distance.
-    pub section: &'a TransverseSection,
+    /// Deviation from the nominal centre distance, m.
+    pub center_distance_offset: f64,
+    /// Transverse section at this centre distance.
+    pub section: TransverseSection,
     /// Loaded flank of gear 1.
     pub flank: Flank,
+    /// Mesh position, base pitches.
+    pub tau: f64,
     /// Teeth that differ, and the mesh cycles counted; `None`: all are alike.
     pub teeth: Option<(&'a Passing, Counts)>,
-}
-
-impl<'a> ContactLines<'a> {
-    pub fn new(setup: &'a ContactSetup, section: &'a TransverseSection, flank: Flank) -> Self {
-        ContactLines {
-            setup,
-            section,
-            flank,
-            teeth: None,
-        }
-    }
 }
 
 /// Pieces shorter than this part of a station are left out where a path end cuts it.
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
-    pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
-        let pairs = self.pairs(tau, 0.0);
-        pairs.flat_map(|k| self.of_pair(tau, k)).collect()
+    pub fn candidates(&self) -> Vec<Candidate> {
+        let pairs = self.pairs(0.0);
+        pairs.flat_map(|k| self.of_pair(k)).collect()
     }
 
-    pub fn of_pair(&self, tau: f64, k: i32) -> impl Iterator<Item = Candidate> {
-        (0..self.setup.settings.stations).filter_map(move |station| {
-            self.segment(
-                tau,
-                SegmentName {
-                    tooth_pair: k,
-                    station,
-                },
-            )
-        })
+    pub fn of_pair(&self, k: i32) -> impl Iterator<Item = Candidate> {
+        let stations = 0..self.setup.settings.stations;
+        stations.filter_map(move |station| self.segment(k, station))
     }
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
-    pub(super) fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
+    fn pairs(&self, margin: f64) -> std::ops::RangeInclusive<i32> {
         let margin = margin / self.section.numbers().base_pitch;
         let [first, last] = self.section.passage();
-        (first - margin - tau).floor() as i32..=(last + margin - tau).ceil() as i32
+        (first - margin - self.tau).floor() as i32..=(last + margin - self.tau).ceil() as i32
     }
 
-    pub(super) fn contact_line(&self, tau: f64, k: i32, z: f64) -> f64 {
-        self.section.numbers().contact_line(self.flank, tau, k, z)
+    /// Conjugate position of the contact line of tooth pair `k` at `z` (m), m.
+    pub fn contact_line(&self, k: i32, z: f64) -> f64 {
+        let numbers = self.section.numbers();
+        numbers.contact_line(self.flank, self.tau, k, z)
     }
 
-    /// Least and largest conjugate position of the contact line of tooth pair `k` between the ends `z`, m.
-    fn span(&self, tau: f64, k: i32, z: [f64; 2]) -> [f64; 2] {
-        let [a, b] = z.map(|z| self.contact_line(tau, k, z));
-        [a.min(b), a.max(b)]
-    }
-
-    pub(super) fn station(&self, station: usize) -> [f64; 2] {
+    /// Ends of a station, m in gear 1's frame.
+    pub fn station(&self, station: usize) -> [f64; 2] {
         let [low, width] = self.section.numbers().face;
         let step = width / self.setup.settings.stations as f64;
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
-    /// The segment of this name at the mesh position `tau`, if enough of it lies within the reach of contact to carry.
-    pub(super) fn segment(&self, tau: f64, name: SegmentName) -> Option<Candidate> {
-        let whole = self.station(name.station);
-        let z = self.within_reach(tau, name.tooth_pair, whole)?;
+    /// The segment of tooth pair `k` at `station`, if enough of it lies within the reach of contact to carry.
+    pub fn segment(&self, k: i32, station: usize) -> Option<Candidate> {
+        let whole = self.station(station);
+        let z = self.within_reach(k, whole)?;
         let is_long = z[1] - z[0] > SHORTEST * (whole[1] - whole[0]);
-        is_long.then(|| self.candidate(tau, name, z, false))
+        is_long.then(|| self.candidate(k, station, z, false))
     }
 
-    /// The gap about the closest point of `segment` at the part `at` of its length from its middle, at the mesh position `tau`.
-    pub(super) fn profile_along(&self, tau: f64, segment: &Candidate, at: f64) -> GapProfile {
+    /// The gap about the closest point of `segment` at the part `at` of its length from its middle.
+    pub fn profile_along(&self, segment: &Candidate, at: f64) -> GapProfile {
         let z = segment.middle() + at * (segment.z[1] - segment.z[0]);
-        self.flanks(tau, segment.tooth_pair, z, false)
-            .closest_point()
-            .profile
+        let flanks = self.flanks(segment.tooth_pair, z, false);
+        flanks.profile(flanks.closest().s)
     }
 
     /// Whole segments, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
-    pub fn segments_beyond(&self, tau: f64, margin: f64) -> Vec<Candidate> {
+    pub fn segments_beyond(&self, margin: f64) -> Vec<Candidate> {
         let [first, last] = self.section.reach();
-        let mut all = vec![];
-        for k in self.pairs(tau, margin) {
-            for station in 0..self.setup.settings.stations {
-                let z = self.station(station);
-                let [low, high] = self.span(tau, k, z);
-                if high >= first - margin && low <= last + margin {
-                    all.push(self.candidate(
-                        tau,
-                        SegmentName {
-                            tooth_pair: k,
-                            station,
-                        },
-                        z,
-                        true,
-                    ));
-                }
-            }
-        }
-        all
+        let segment = |k: i32, station: usize| {
+            let z = self.station(station);
+            let [a, b] = z.map(|z| self.contact_line(k, z));
+            let is_near = a.max(b) >= first - margin && a.min(b) <= last + margin;
+            is_near.then(|| self.candidate(k, station, z, true))
+        };
+        let stations = 0..self.setup.settings.stations;
+        let of_pair = |k| (stations.clone()).filter_map(move |station| segment(k, station));
+        self.pairs(margin).flat_map(of_pair).collect()
     }
 
     /// The part of `z` in which tooth pair `k` lies within the reach of contact.
-    fn within_reach(&self, tau: f64, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
-        let xi = z.map(|z| self.contact_line(tau, k, z));
+    fn within_reach(&self, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
+        let xi = z.map(|z| self.contact_line(k, z));
         let [first, last] = self.section.reach();
         if xi.iter().all(|xi| first <= *xi && *xi <= last) {
             return Some(z);
@@ -215,32 +170,31 @@ impl ContactLines<'_> {
 
     /// Both flanks of tooth pair `k` about the point that may touch in the plane `z`; `clamped`: beyond the reach of contact that
     /// at its end.
-    fn flanks(&self, tau: f64, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
-        let mut xi = self.contact_line(tau, k, z);
+    fn flanks(&self, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
+        let mut xi = self.contact_line(k, z);
         if clamped {
             let [first, last] = self.section.reach();
             xi = xi.clamp(first, last);
         }
         let (point, microgeometry) = (self.section.point(xi), self.microgeometry(k));
-        Flanks::new(&self.setup.geometry, self.section, microgeometry, point, z)
+        Flanks::new(&self.setup.geometry, &self.section, microgeometry, point, z)
     }
 
-    /// The segment of this name with the ends `z`; `clamped`: beyond the reach of contact as if it lay at its end.
-    fn candidate(&self, tau: f64, name: SegmentName, z: [f64; 2], clamped: bool) -> Candidate {
-        let k = name.tooth_pair;
+    /// The segment of tooth pair `k` at `station` with the ends `z`; `clamped`: beyond the reach of contact as if it lay at its end.
+    fn candidate(&self, k: i32, station: usize, z: [f64; 2], clamped: bool) -> Candidate {
         let numbers = self.section.numbers();
-        let teeth_close =
-            (self.teeth).map_or(0.0, |(passing, counts)| passing.closing(counts, k, tau)[0]);
+        let teeth_close = (self.teeth).map_or(0.0, |(passing, counts)| {
+            passing.closing(counts, k, self.tau)[0]
+        });
         let both = self.microgeometry(k);
-        let middle = self
-            .flanks(tau, k, 0.5 * (z[0] + z[1]), clamped)
-            .closest_point();
+        let middle = self.flanks(k, 0.5 * (z[0] + z[1]), clamped);
+        let closest = middle.closest();
         let is_even = numbers.tan_beta_b == 0.0 && !both.iter().any(|m| m.varies_along_face());
         let points = points(z);
         let gap = points.map(|z| {
             let least = match is_even {
-                true => middle.least,
-                false => self.flanks(tau, k, z, clamped).least_gap(),
+                true => closest,
+                false => self.flanks(k, z, clamped).closest(),
             };
             let lead = |i: usize| {
                 let own_z = z - numbers.face_offset[i];
@@ -248,39 +202,49 @@ impl ContactLines<'_> {
             };
             least.gap + (lead(0) + lead(1)) / numbers.cos_beta_b
         });
-        let levers = points.map(|z| numbers.lever(self.flank, tau, k, z));
+        let levers = points.map(|z| numbers.lever(self.flank, self.tau, k, z));
+        let own_share = self.setup.settings.own_share;
         Candidate {
             tooth_pair: k,
-            station: name.station,
+            station,
             z,
-            roll: middle.roll,
-            gap: along_segment(gap, self.setup.settings.own_share).map(|gap| gap - teeth_close),
-            levers: along_segment(levers, self.setup.settings.own_share),
-            profile: middle.profile,
-            arms: middle.arms,
+            roll: middle.rolls(closest.s),
+            gap: along_segment(gap, own_share).map(|gap| gap - teeth_close),
+            levers: along_segment(levers, own_share),
+            profile: middle.profile(closest.s),
+            arms: middle.at.arms,
         }
     }
 
-    /// The segment of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and
-    /// gear 2; `clamped`: beyond the reach of contact as if it lay at its end.
+    /// The segment of tooth pair `k` with the ends `z` in the canonical coordinates of gear 1 and gear 2; `clamped`: beyond the
+    /// reach of contact as if it lay at its end.
     ///
     /// Tooth pair k lies k pitches ahead in the sense of rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k
     /// and -k.
-    pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Segment; 2] {
-        let ends = z.map(|z| self.flanks(tau, k, z, clamped).closest_point().roll);
-        [0, 1].map(|i| {
-            let gear = &self.setup.geometry.gears[i];
-            let tooth = if i == 0 { k } else { -k };
-            let b = gear.face_width;
-            let z = z.map(|z| (z - gear.face_offset).clamp(0.0, b));
-            let roll = ends.map(|end| end[i]);
-            if self.is_mirrored(i) {
-                let (z, roll) = ([b - z[1], b - z[0]], [roll[1], roll[0]]);
-                Segment { tooth, z, roll }
-            } else {
-                Segment { tooth, z, roll }
-            }
-        })
+    pub fn seen_by_gears(&self, k: i32, z: [f64; 2], clamped: bool) -> [Segment; 2] {
+        let ends = z.map(|z| {
+            let flanks = self.flanks(k, z, clamped);
+            flanks.rolls(flanks.closest().s)
+        });
+        [0, 1].map(|i| self.seen_by_gear(i, k, z, ends.map(|end| end[i])))
+    }
+
+    /// The same for gear `i`, with the lengths of roll `roll` (m) at the ends.
+    pub fn seen_by_gear(&self, i: usize, k: i32, z: [f64; 2], mut roll: [f64; 2]) -> Segment {
+        let gear = &self.setup.geometry.gears[i];
+        let b = gear.face_width;
+        let mut z = z.map(|z| (z - gear.face_offset).clamp(0.0, b));
+        if self.is_mirrored(i) {
+            (z, roll) = ([b - z[1], b - z[0]], [roll[1], roll[0]]);
+        }
+        let tooth = [k, -k][i];
+        Segment { tooth, z, roll }
+    }
+
+    /// `segments` as gear 1 and gear 2 see them; `clamped` as before.
+    pub fn all_seen_by_gears(&self, segments: &[Candidate], clamped: bool) -> Vec<[Segment; 2]> {
+        let seen = |s: &Candidate| self.seen_by_gears(s.tooth_pair, s.z, clamped);
+        segments.iter().map(seen).collect()
     }
 
     pub fn is_mirrored(&self, i: usize) -> bool {

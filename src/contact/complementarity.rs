@@ -32,6 +32,9 @@ pub struct Problem<'a> {
     /// Arm of the normal force on each segment about the axis of gear 1, over its base radius; by virtual work
     /// also what the flanks close along their normal per approach.
     pub arm: &'a DVector<f64>,
+    pub target: Target,
+    /// Stiffness of the elastic foundation that gives forces where there are none to start from, N/m per m of contact line.
+    pub foundation: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +70,8 @@ pub struct Solution {
     pub active: Vec<usize>,
     /// Factor of D + A over the segments in contact.
     pub factor: Factor,
+    /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
+    pub excess: Option<Failure>,
 }
 
 type Factor = Cholesky<f64, Dyn>;
@@ -95,21 +100,15 @@ struct Step {
 }
 
 impl Problem<'_> {
-    /// Solves from `start`, or from an elastic foundation of the stiffness `foundation` (N/m per m of contact line) where
-    /// there is none.
+    /// Solves from `start`, or from an elastic foundation where there is none.
     ///
     /// # Errors
     /// [`Failure::NotPositiveDefinite`], [`Failure::NotConverged`].
-    pub fn solve(
-        &self,
-        target: Target,
-        start: Option<Start<'_>>,
-        foundation: f64,
-    ) -> Result<Solution, Failure> {
-        let mut at = self.start(target, start, foundation);
+    pub fn solve(&self, start: Option<Start<'_>>) -> Result<Solution, Failure> {
+        let mut at = self.start(start);
         let mut residual = self.residual(&at);
         // Forces balance the prescribed one after a whole step; where they start right, rounding may leave no whole step.
-        let free = matches!(target, Target::Approach(_));
+        let free = matches!(self.target, Target::Approach(_));
         let mut balanced = free;
         for iteration in 0..MAXIMUM_ITERATIONS {
             if residual.is_nan() {
@@ -119,21 +118,21 @@ impl Problem<'_> {
                 });
             }
             if balanced && residual <= TOLERANCE {
-                return self.finish(target, at, iteration);
+                return self.finish(at, iteration);
             }
             let active = at.active();
-            if let (true, Target::Force(_)) = (active.is_empty(), target) {
+            if active.is_empty() && !free {
                 // Nothing touches: close up until the foundation alone would carry the load.
-                let delta = self.start(target, None, foundation).delta;
+                let delta = self.start(None).delta;
                 at = self.iterate(DVector::zeros(self.local.len()), delta);
                 residual = self.residual(&at);
                 balanced = free;
                 continue;
             }
             let factor = self.factor(&at, &active)?;
-            let step = self.newton_step(target, &at, &active, &factor);
+            let step = self.newton_step(&at, &active, &factor);
             let fraction;
-            (at, fraction) = self.advance(target, at, &step);
+            (at, fraction) = self.advance(at, &step);
             residual = self.residual(&at);
             balanced |= fraction == 1.0;
         }
@@ -160,24 +159,19 @@ impl Problem<'_> {
         if error > 0.0 { error / largest } else { 0.0 }
     }
 
-    fn start(&self, target: Target, start: Option<Start<'_>>, foundation: f64) -> Iterate {
+    fn start(&self, start: Option<Start<'_>>) -> Iterate {
         let n = self.local.len();
         let known = start.filter(|start| start.forces.len() == n);
         let springs = |delta: f64| {
             DVector::from_fn(n, |i, _| {
                 let closed = self.gap[i].map(|gap| (self.arm[i] * delta - gap).max(0.0));
-                foundation * self.local[i].length() * closed.iter().sum::<f64>()
+                self.foundation * self.local[i].length() * closed.iter().sum::<f64>()
             })
         };
-        match (known, target) {
-            (Some(start), Target::Force(_)) => {
-                self.iterate(DVector::from_column_slice(start.forces), start.approach)
-            }
-            (Some(start), Target::Approach(approach)) => {
-                self.iterate(DVector::from_column_slice(start.forces), approach)
-            }
-            (None, Target::Approach(approach)) => self.iterate(springs(approach), approach),
-            (None, Target::Force(force)) => {
+        let delta = match (self.target, known) {
+            (Target::Approach(approach), _) => approach,
+            (Target::Force(_), Some(start)) => start.approach,
+            (Target::Force(force), None) => {
                 let touches = || (0..n).flat_map(|i| self.gap[i].map(|gap| gap / self.arm[i]));
                 let all = touches().fold(f64::NEG_INFINITY, f64::max);
                 let least = touches().fold(f64::INFINITY, f64::min);
@@ -185,10 +179,11 @@ impl Problem<'_> {
                 let stiffness = self.arm.dot(&(springs(all + 1.0) - springs(all)));
                 let carried = |delta| self.arm.dot(&springs(delta));
                 let ends = [least, all + force / stiffness];
-                let delta = bisection(ends, 60, |delta| carried(delta) < force);
-                self.iterate(springs(delta), delta)
+                bisection(ends, 60, |delta| carried(delta) < force)
             }
-        }
+        };
+        let forces = known.map(|start| DVector::from_column_slice(start.forces));
+        self.iterate(forces.unwrap_or_else(|| springs(delta)), delta)
     }
 
     /// The forces `y` at the approach `delta`.
@@ -220,7 +215,7 @@ impl Problem<'_> {
         matrix.cholesky().ok_or(Failure::NotPositiveDefinite)
     }
 
-    fn newton_step(&self, target: Target, at: &Iterate, active: &[usize], factor: &Factor) -> Step {
+    fn newton_step(&self, at: &Iterate, active: &[usize], factor: &Factor) -> Step {
         let mut y = -&at.y;
         active.iter().for_each(|&i| y[i] = 0.0);
         let freed = self.bulk * &y;
@@ -233,7 +228,7 @@ impl Problem<'_> {
         );
         factor.solve_mut(&mut change);
         let mut delta = 0.0;
-        if let Target::Force(force) = target {
+        if let Target::Force(force) = self.target {
             let arm = self.arm.select_rows(active);
             let mut unit = arm.clone();
             factor.solve_mut(&mut unit);
@@ -251,30 +246,30 @@ impl Problem<'_> {
         }
     }
 
-    fn slope(&self, target: Target, at: &Iterate, step: &Step) -> f64 {
+    fn slope(&self, at: &Iterate, step: &Step) -> f64 {
         let (mut slope, mut carried) = (0.0, 0.0);
         for (i, loads) in at.loads.iter().enumerate() {
             slope += step.ay[i] * (at.y[i] - loads.force());
             carried += self.arm[i] * loads.force();
         }
-        match target {
+        match self.target {
             Target::Force(force) => slope + step.delta * (carried - force),
             Target::Approach(_) => slope,
         }
     }
 
     /// Goes along `step` as far as J does not rise too much, and returns which part of it.
-    fn advance(&self, target: Target, from: Iterate, step: &Step) -> (Iterate, f64) {
+    fn advance(&self, from: Iterate, step: &Step) -> (Iterate, f64) {
         let moved = |t: f64| {
             let at = self.with_displacement(
                 &from.y + &step.y * t,
                 &from.ay + &step.ay * t,
                 from.delta + t * step.delta,
             );
-            let slope = self.slope(target, &at, step);
+            let slope = self.slope(&at, step);
             (at, slope)
         };
-        let initial = self.slope(target, &from, step);
+        let initial = self.slope(&from, step);
         let (mut at, end) = moved(1.0);
         // At the level of rounding the sign of the slope means nothing.
         if initial >= 0.0 || end <= -0.9 * initial {
@@ -298,27 +293,23 @@ impl Problem<'_> {
         (at, middle)
     }
 
-    /// Largest pressure of the segment on which `solution` has one that no flank carries, Pa.
-    pub fn overload(&self, solution: &Solution) -> Option<f64> {
-        let segments = solution.loads.iter().zip(self.local);
-        let largest = segments.filter_map(|(loads, local)| {
-            local.overload(loads.forces.iter().copied().fold(0.0, f64::max))
+    /// The largest pressure under `loads` that no flank carries.
+    fn overload(&self, loads: &[PointLoads]) -> Option<Failure> {
+        let pressures = loads.iter().zip(self.local).filter_map(|(loads, local)| {
+            let largest = loads.forces.iter().copied().fold(0.0, f64::max);
+            local.overload(largest / local.length())
         });
-        largest.reduce(f64::max)
+        let largest = pressures.reduce(f64::max);
+        largest.map(|pressure| Failure::Overload { pressure })
     }
 
     /// Cleans the forces up and judges them by the original conditions.
-    fn finish(
-        &self,
-        target: Target,
-        mut at: Iterate,
-        iterations: usize,
-    ) -> Result<Solution, Failure> {
+    fn finish(&self, mut at: Iterate, iterations: usize) -> Result<Solution, Failure> {
         let mut force = DVector::from_fn(at.y.len(), |i, _| match at.loads[i].force() > 0.0 {
             true => at.y[i].max(0.0),
             false => 0.0,
         });
-        if let Target::Force(wanted) = target {
+        if let Target::Force(wanted) = self.target {
             // Clipping can take off the last digits.
             force *= wanted / self.arm.dot(&force);
         }
@@ -330,13 +321,14 @@ impl Problem<'_> {
         let mut kkt_residual = errors
             .map(|(force, loads)| (force - loads.force()).abs() / largest)
             .fold(0.0, f64::max);
-        if let Target::Force(wanted) = target {
+        if let Target::Force(wanted) = self.target {
             kkt_residual = kkt_residual.max((self.arm.dot(&at.y) / wanted - 1.0).abs());
         }
         let mut active = at.active();
         active.retain(|&i| at.y[i] > 0.0);
         Ok(Solution {
             factor: self.factor(&at, &active)?,
+            excess: self.overload(&at.loads),
             force: at.y,
             approach: at.delta,
             closing: at.x,

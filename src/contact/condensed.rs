@@ -14,7 +14,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::candidates::SegmentName;
+use super::candidates::{Candidate, ContactLines};
 use super::error::ContactError;
 use super::influence::Influence;
 use super::root_stress::CondensedRoots;
@@ -52,42 +52,24 @@ pub struct CondensedFlank {
 /// Mesh positions of the nodes over a cycle.
 const POSITIONS: usize = 48;
 
+/// Segments up to this part of a base pitch beyond the reach of contact are in a node: two steps to either side of a position.
+pub(super) const MARGIN: f64 = 2.1 / POSITIONS as f64;
+
 /// What one node is made of.
 pub struct CondensedNode {
-    names: Vec<SegmentName>,
-    influence: Influence,
-}
-
-/// Weights of the nodes about a position: four mesh positions by up to three centre distances.
-struct Weights {
-    along: [f64; 4],
-    across: [f64; 3],
+    pub(super) segments: Vec<Candidate>,
+    pub(super) influence: Influence,
 }
 
 impl CondensedFlank {
-    /// Number of nodes with the centre distance offsets `offsets`.
-    pub fn node_count(offsets: &[f64]) -> usize {
-        offsets.len() * POSITIONS
+    /// Mesh positions and centre distance offsets (m) of the nodes with the offsets `offsets`, in their order.
+    pub fn grid(offsets: &[f64]) -> Vec<[f64; 2]> {
+        let positions = || (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);
+        let row = |offset: &f64| positions().map(|tau| [tau, *offset]).collect::<Vec<_>>();
+        offsets.iter().flat_map(row).collect()
     }
 
-    /// Node `i` of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m). Nodes do not
-    /// depend on each other.
-    ///
-    /// # Errors
-    /// As [`ContactSolver::position`].
-    pub fn node(
-        solver: &ContactSolver,
-        flank: Flank,
-        offsets: &[f64],
-        i: usize,
-    ) -> Result<CondensedNode, ContactError> {
-        let tau = (i % POSITIONS) as f64 / POSITIONS as f64;
-        let margin = 2.1 / POSITIONS as f64;
-        let (names, influence) = solver.influence(flank, tau, offsets[i / POSITIONS], margin)?;
-        Ok(CondensedNode { names, influence })
-    }
-
-    /// Of all `nodes` in order, as [`CondensedFlank::node`] gives them for the same solver, flank and offsets.
+    /// Of the `nodes` at all places of [`CondensedFlank::grid`] with the offsets `offsets` (m), which `solver` gives for `flank`.
     ///
     /// # Errors
     /// As [`ContactSolver::position`].
@@ -98,8 +80,8 @@ impl CondensedFlank {
         nodes: &[CondensedNode],
     ) -> Result<CondensedFlank, ContactError> {
         let pairs = || {
-            let names = nodes.iter().flat_map(|node| &node.names);
-            names.map(|name| name.tooth_pair)
+            let segments = nodes.iter().flat_map(|node| &node.segments);
+            segments.map(|segment| segment.tooth_pair)
         };
         let first_pair = pairs().min().unwrap_or(0);
         let mut condensed = CondensedFlank {
@@ -117,11 +99,9 @@ impl CondensedFlank {
         let (size, segments) = (condensed.node_size(), condensed.segments());
         let mut values = vec![0.0; nodes.len() * size];
         for (node, values) in nodes.iter().zip(values.chunks_exact_mut(size)) {
-            let CondensedNode { names, influence } = node;
-            let rows: Vec<usize> = names
-                .iter()
-                .filter_map(|&name| condensed.row(name, 0))
-                .collect();
+            let influence = &node.influence;
+            let rows = node.segments.iter().filter_map(|s| condensed.row(s, 0));
+            let rows: Vec<usize> = rows.collect();
             for (i, &row) in rows.iter().enumerate() {
                 for (j, &column) in rows[..=i].iter().enumerate() {
                     values[triangle(row) + column] = influence.bulk[(i, j)] as f32;
@@ -157,9 +137,9 @@ impl CondensedFlank {
     }
 
     /// Row of a segment in a node, its tooth pair counted on by `turns`.
-    fn row(&self, name: SegmentName, turns: i32) -> Option<usize> {
-        let pair = usize::try_from(name.tooth_pair + turns - self.first_pair).ok()?;
-        (pair < self.pairs).then_some(pair * self.stations + name.station)
+    fn row(&self, segment: &Candidate, turns: i32) -> Option<usize> {
+        let pair = usize::try_from(segment.tooth_pair + turns - self.first_pair).ok()?;
+        (pair < self.pairs).then_some(pair * self.stations + segment.station)
     }
 
     /// Whether the nodes hold this centre distance.
@@ -170,63 +150,55 @@ impl CondensedFlank {
         }
     }
 
-    /// Influence of the segments `names`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the
-    /// offsets of the nodes that of the outermost one. That of a tooth pair on itself is `scale` times as large.
-    pub(super) fn influence(
-        &self,
-        names: &[SegmentName],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
-        offset: f64,
-    ) -> Influence {
-        let [along, _] = self.along(tau);
-        let [across, _] = self.across(offset);
-        self.weighted(names, scale, tau, &Weights { along, across })
+    /// Influence of `segments`, ascending, of `lines`, whose mesh position is in [0, 1); beyond the offsets of the nodes that of the
+    /// outermost one. A tooth pair gives way to its own load as its weak teeth do.
+    pub(super) fn influence(&self, segments: &[&Candidate], lines: &ContactLines<'_>) -> Influence {
+        let [along, _] = self.along(lines.tau);
+        let [across, _] = self.across(lines.center_distance_offset);
+        self.weighted(segments, lines, along, across)
     }
 
     /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of [`CondensedFlank::influence`].
     pub(super) fn slopes(
         &self,
-        names: &[SegmentName],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
-        offset: f64,
+        segments: &[&Candidate],
+        lines: &ContactLines<'_>,
     ) -> [Influence; 2] {
-        let [along, by_tau] = self.along(tau);
-        let [across, by_offset] = self.across(offset);
+        let [along, by_tau] = self.along(lines.tau);
+        let [across, by_offset] = self.across(lines.center_distance_offset);
         let weights = [(by_tau, across), (along, by_offset)];
-        weights.map(|(along, across)| self.weighted(names, &scale, tau, &Weights { along, across }))
+        weights.map(|(along, across)| self.weighted(segments, lines, along, across))
     }
 
-    /// Sum of the nodes about `tau` by `weights`.
+    /// Sum of the nodes about those of `lines`: four mesh positions with the weights `along` by up to three centre distances with `across`.
     fn weighted(
         &self,
-        names: &[SegmentName],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
-        weights: &Weights,
+        segments: &[&Candidate],
+        lines: &ContactLines<'_>,
+        along: [f64; 4],
+        across: [f64; 3],
     ) -> Influence {
-        let n = names.len();
+        let n = segments.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
-        let (segments, positions) = (self.segments(), self.positions as i64);
-        let first = (tau * self.positions as f64).floor() as i64 - 1;
-        for (number, along) in (first..).zip(weights.along) {
+        let (rows_in_all, positions) = (self.segments(), self.positions as i64);
+        let first = (lines.tau * self.positions as f64).floor() as i64 - 1;
+        for (number, along) in (first..).zip(along) {
             let turns = number.div_euclid(positions) as i32;
             let node = number.rem_euclid(positions) as usize;
-            let rows = names.iter().map(|&name| self.row(name, turns)).enumerate();
+            let rows = segments.iter().map(|s| self.row(s, turns)).enumerate();
             let held: Vec<(usize, usize)> = rows.filter_map(|(i, row)| Some((i, row?))).collect();
             let runs: Vec<_> = held
                 .chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1))
                 .collect();
-            for (k, across) in weights.across.into_iter().enumerate() {
+            for (k, across) in across.into_iter().enumerate() {
                 let weight = along * across;
                 if weight == 0.0 {
                     continue;
                 }
                 let start = (k * self.positions + node) * self.node_size();
                 let values = &self.values[start..][..self.node_size()];
-                let (matrix, known_lengths) = values.split_at(triangle(segments));
+                let (matrix, known_lengths) = values.split_at(triangle(rows_in_all));
                 Lanes::widest().run(|_| {
                     for &(i, row) in &held {
                         let row = &matrix[triangle(row)..][..=row];
@@ -242,14 +214,16 @@ impl CondensedFlank {
                 });
                 for (gear, lengths) in lengths.iter_mut().enumerate() {
                     for &(i, row) in &held {
-                        lengths[i] += weight * f64::from(known_lengths[gear * segments + row]);
+                        lengths[i] += weight * f64::from(known_lengths[gear * rows_in_all + row]);
                     }
                 }
             }
         }
-        for (i, row) in names.iter().enumerate() {
-            let scale = scale(row.tooth_pair);
-            for (j, column) in names[..=i].iter().enumerate() {
+        for (i, row) in segments.iter().enumerate() {
+            let scale = lines.teeth.map_or(1.0, |(passing, counts)| {
+                passing.compliance(self.shares, counts, row.tooth_pair)
+            });
+            for (j, column) in segments[..=i].iter().enumerate() {
                 if column.tooth_pair == row.tooth_pair {
                     bulk[(j, i)] *= scale;
                 }
@@ -323,12 +297,12 @@ pub struct ContactFile {
     pub error: Option<InterpolationError>,
 }
 
-/// The head, in which the matrices are empty.
+/// The head of the file: all but the values of matrices and roots. It is written from references.
 #[derive(Serialize, Deserialize)]
-struct Head {
-    setup: ContactSetup,
-    drive: CondensedFlank,
-    coast: Option<CondensedFlank>,
+struct Head<Setup, Condensed> {
+    setup: Setup,
+    drive: Condensed,
+    coast: Option<Condensed>,
     #[serde(default)]
     error: Option<InterpolationError>,
 }
@@ -336,32 +310,18 @@ struct Head {
 impl ContactFile {
     /// The bytes of the file.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let bare = |flank: &CondensedFlank| {
-            let bare = |roots: &CondensedRoots| CondensedRoots {
-                values: Vec::new(),
-                ..roots.clone()
-            };
-            CondensedFlank {
-                roots: flank.roots.as_ref().map(|roots| roots.each_ref().map(bare)),
-                values: Vec::new(),
-                ..flank.clone()
-            }
-        };
         let head = Head {
-            setup: (*self.setup).clone(),
-            drive: bare(&self.drive),
-            coast: self.coast.as_deref().map(bare),
+            setup: &*self.setup,
+            drive: &*self.drive,
+            coast: self.coast.as_deref(),
             error: self.error,
         };
         let head = serde_json::to_vec(&head).expect("plain structs become JSON");
         let mut bytes = (head.len() as u64).to_le_bytes().to_vec();
         bytes.extend(head);
-        for flank in [Some(&self.drive), self.coast.as_ref()]
-            .into_iter()
-            .flatten()
-        {
-            let roots = flank.roots.iter().flatten();
-            for values in [&flank.values].into_iter().chain(roots.map(|r| &r.values)) {
+        for flank in [&self.drive].into_iter().chain(&self.coast) {
+            let roots = flank.roots.iter().flatten().map(|roots| &roots.values);
+            for values in [&flank.values].into_iter().chain(roots) {
                 bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
             }
         }
@@ -379,7 +339,7 @@ impl ContactFile {
             .ok()
             .and_then(|length| rest.split_at_checked(length))
             .ok_or("the head is longer than the file")?;
-        let head: Head =
+        let head: Head<ContactSetup, CondensedFlank> =
             serde_json::from_slice(head).map_err(|e| crate::words::json_problem(&e))?;
         head.setup.check()?;
         let mut rest = values.chunks_exact(4);

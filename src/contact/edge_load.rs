@@ -10,7 +10,8 @@
 use super::candidates::{Candidate, ContactLines};
 use super::complementarity::Solution;
 use super::local_law::{LocalContact, POINTS, PointLoads};
-use super::position::{LawAt, LawsAlong, PositionProblem};
+use super::position::PositionProblem;
+use crate::root::bracket;
 
 const AT_POINTS: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
 
@@ -18,6 +19,20 @@ const AT_RELIEF: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 
 /// Halvings in the search for the position at which the contact line comes to an edge: to a micrometre of face.
 const BISECTIONS: usize = 12;
+
+/// Laws along one segment.
+pub(super) struct LawsAlong {
+    /// Near a tip edge; none where contact does not come to one.
+    edge: Vec<LawAt>,
+    /// Where contact may reach the start of a relief.
+    relief: Vec<LawAt>,
+}
+
+struct LawAt {
+    /// Part of the segment's length from its middle.
+    position: f64,
+    law: LocalContact,
+}
 
 /// Contact at a tip edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +46,8 @@ pub struct EdgeLoad {
 }
 
 impl EdgeLoad {
-    pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
+    /// The one with the larger line load.
+    pub fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
         match (a, b) {
             (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
             (a, b) => a.or(b),
@@ -70,34 +86,30 @@ impl Sample<'_> {
 }
 
 impl PositionProblem {
-    /// Makes the laws along the segments, which lie on `lines` at the mesh position `tau`.
-    pub(super) fn sample_along(&mut self, lines: &ContactLines<'_>, tau: f64) {
+    /// Makes the laws along the segments, which lie on `lines`.
+    pub(super) fn sample_along(&mut self, lines: &ContactLines<'_>) {
         // The contact lines of spur pairs run along edges and the starts of reliefs.
-        if lines.section.numbers().tan_beta_b == 0.0 {
+        if self.numbers.tan_beta_b == 0.0 {
             return;
         }
         let along =
             (self.candidates.iter().zip(&self.local).enumerate()).map(|(i, (segment, law))| {
                 let laws = |positions: &[f64]| {
-                    let at = |&position: &f64| LawAt {
-                        position,
-                        law: self.law(
-                            segment,
-                            &lines.profile_along(tau, segment, position),
-                            self.lengths(i),
-                        ),
+                    let at = |&position: &f64| {
+                        let profile = lines.profile_along(segment, position);
+                        let law = self.law(segment, &profile, self.lengths(i));
+                        LawAt { position, law }
                     };
                     positions.iter().map(at).collect()
                 };
                 LawsAlong {
                     edge: match law.has_edge() {
-                        true => laws(&positions_near_edge(lines, tau, segment)),
+                        true => laws(&positions_near_edge(lines, segment)),
                         false => vec![],
                     },
-                    relief: if law.has_relief() {
-                        laws(&AT_RELIEF)
-                    } else {
-                        vec![]
+                    relief: match law.has_relief() {
+                        true => laws(&AT_RELIEF),
+                        false => vec![],
                     },
                 }
             });
@@ -197,23 +209,24 @@ impl PositionProblem {
     /// Largest pressure (Pa) inside the flanks of each segment under `loads`; `edges` are the loads at their tip edges.
     pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
         let inside: Vec<_> = (0..loads.len())
-            .map(|i| self.force_inside(i, &loads[i]))
+            .map(|i| self.load_inside(i, &loads[i]))
             .collect();
         let largest = |i: usize| {
-            let Some(force) = inside[i] else {
+            let law = &self.local[i];
+            let Some(line_load) = inside[i] else {
                 // At its middle the line lies nearer to the edge than where it bears.
                 return match edges[i] {
                     Some(_) => 0.0,
-                    None => self.local[i].hertz_pressure(loads[i].force() / POINTS as f64),
+                    None => law.hertz_pressure(loads[i].force() / POINTS as f64 / law.length()),
                 };
             };
-            let middle = self.local[i].pressure(force).unwrap_or(0.0);
-            let along = self
+            let middle = law.pressure(line_load).unwrap_or(0.0);
+            let reliefs = self
                 .along
                 .get(i)
                 .into_iter()
                 .flat_map(|along| &along.relief);
-            let pressures = along.filter_map(|at| {
+            let pressures = reliefs.filter_map(|at| {
                 (at.law).pressure_at_relief(self.line_load(&inside, i, at.position))
             });
             pressures.fold(middle, f64::max)
@@ -221,26 +234,25 @@ impl PositionProblem {
         (0..loads.len()).map(largest).collect()
     }
 
-    /// Mean force (N) of the loaded points of segment `i` inside the flanks by the law of its middle: what the line bears.
-    ///
-    fn force_inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
-        let is_inside = |force: &f64| *force != 0.0 && !self.local[i].reaches_edge(*force);
-        let inside = || loads.forces.iter().filter(|force| is_inside(force));
+    /// Mean line load (N/m) of the loaded points of segment `i` inside the flanks by the law of its middle: what the line bears.
+    fn load_inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
+        let law = &self.local[i];
+        let is_inside = |f: &&f64| **f != 0.0 && **f / law.length() <= law.load_at_edge();
+        let inside = || loads.forces.iter().filter(is_inside);
         let points = inside().count();
-        (points > 0).then(|| inside().sum::<f64>() / points as f64)
+        (points > 0).then(|| inside().sum::<f64>() / points as f64 / law.length())
     }
 
     /// Line load (N/m) at `position` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks;
-    /// `forces` are the mean ones of the points.
-    fn line_load(&self, forces: &[Option<f64>], i: usize, position: f64) -> f64 {
-        let known = |i: usize| Some(forces[i]? / self.local[i].length());
-        let here = known(i).unwrap_or(0.0);
+    /// `inside` as [`PositionProblem::load_inside`].
+    fn line_load(&self, inside: &[Option<f64>], i: usize, position: f64) -> f64 {
+        let here = inside[i].unwrap_or(0.0);
         let segment = &self.candidates[i];
         let [below, above] = self.neighbours(i);
         let neighbour = if position < 0.0 { below } else { above };
         let slope = neighbour.and_then(|other| {
             let distance = self.candidates[other].middle() - segment.middle();
-            Some((known(other)? - here) / distance)
+            Some((inside[other]? - here) / distance)
         });
         here + slope.unwrap_or(0.0) * position * (segment.z[1] - segment.z[0])
     }
@@ -260,21 +272,15 @@ fn neighbours<T>(items: &[T], number: usize) -> impl Iterator<Item = &T> {
 }
 
 /// [`AT_POINTS`], and where on `segment` the contact line comes to a tip edge.
-fn positions_near_edge(lines: &ContactLines<'_>, tau: f64, segment: &Candidate) -> Vec<f64> {
-    let is_off = |at: f64| lines.profile_along(tau, segment, at).edge_distance() > 0.0;
+fn positions_near_edge(lines: &ContactLines<'_>, segment: &Candidate) -> Vec<f64> {
+    let is_off = |at: f64| lines.profile_along(segment, at).edge_distance() > 0.0;
     let mut positions = AT_POINTS.to_vec();
-    let (mut at_edge, mut off) = match [-0.5, 0.5].map(is_off) {
-        [false, true] => (-0.5, 0.5),
-        [true, false] => (0.5, -0.5),
+    let ends = match [-0.5, 0.5].map(is_off) {
+        [false, true] => [-0.5, 0.5],
+        [true, false] => [0.5, -0.5],
         _ => return positions,
     };
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (at_edge + off);
-        match is_off(middle) {
-            true => off = middle,
-            false => at_edge = middle,
-        }
-    }
+    let [at_edge, _] = bracket(ends, BISECTIONS, |at| !is_off(at));
     let next = positions.partition_point(|position| *position < at_edge);
     positions.insert(next, at_edge);
     positions

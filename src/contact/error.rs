@@ -17,31 +17,14 @@ pub enum Prescribed {
     Approach(f64),
 }
 
-/// The point at which a contact solve failed, in the words of pair file and command line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OperatingPoint {
-    /// Load or approach.
-    pub prescribed: Prescribed,
-    /// Misalignment in the plane of action, rad.
-    pub misalignment: f64,
-    /// Deviation from the nominal centre distance, m.
-    pub center_distance_offset: f64,
-}
-
-impl fmt::Display for OperatingPoint {
+impl fmt::Display for Prescribed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.prescribed {
-            Prescribed::Torque(torque) => write!(f, "torque = {} N m", number(rounded(torque)))?,
+        match self {
+            Prescribed::Torque(torque) => write!(f, "torque = {} N m", number(rounded(*torque))),
             Prescribed::Approach(approach) => {
-                write!(f, "approach = {} um", rounded(1e6 * approach))?
+                write!(f, "approach = {} um", rounded(1e6 * approach))
             }
         }
-        write!(
-            f,
-            ", misalignment = {} mrad, center distance offset = {} um",
-            rounded(1e3 * self.misalignment),
-            rounded(1e6 * self.center_distance_offset)
-        )
     }
 }
 
@@ -130,11 +113,19 @@ pub enum ContactError {
         /// What the elastic model said.
         model: BeyondModel,
     },
-    /// A load without a solution.
-    #[error("{at}: {failure}")]
+    /// A load without a solution, in the words of pair file and command line.
+    #[error(
+        "{prescribed}, misalignment = {} mrad, center distance offset = {} um: {failure}",
+        rounded(1e3 * misalignment),
+        rounded(1e6 * center_distance_offset)
+    )]
     Unsolved {
-        /// Where.
-        at: OperatingPoint,
+        /// Load or approach.
+        prescribed: Prescribed,
+        /// Misalignment in the plane of action, rad.
+        misalignment: f64,
+        /// Deviation from the nominal centre distance, m.
+        center_distance_offset: f64,
         /// Why.
         failure: Failure,
     },

@@ -17,9 +17,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{candidates::Candidate, transverse::PairNumbers};
+use super::candidates::{Candidate, ContactLines};
 use crate::compliance::{BeyondModel, Segment, ToothCompliance};
-use crate::root::bisection;
+use crate::root::bracket;
 
 /// Range over which a load is smoothed along the contact line, over the layers of the elements: elements
 /// know no load that alternates within a layer. Measured: least at which the bulk stays positive definite at all levels.
@@ -62,15 +62,14 @@ struct Piece {
 }
 
 impl Influence {
-    /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the
-    /// reference length `reference`, m.
+    /// Of `candidates` on `lines`, as the gears see them in `seen`, by the elastic models `compliance`.
     pub fn new(
-        numbers: &PairNumbers,
+        lines: &ContactLines<'_>,
         compliance: [&dyn ToothCompliance; 2],
         candidates: &[Candidate],
         seen: &[[Segment; 2]],
-        reference: f64,
     ) -> Result<Influence, BeyondModel> {
+        let (numbers, reference) = (lines.section.numbers(), lines.setup.reference_length);
         let n = candidates.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [Vec::new(), Vec::new()];
@@ -99,7 +98,7 @@ impl Influence {
         let layers = compliance.map(|model| model.lengthwise_resolution() / cos_beta_b);
         let smoothing = (SMOOTHING_OVER_LAYER * layers[0].max(layers[1]))
             .max(SMOOTHING_OVER_REFERENCE * reference);
-        let c = (numbers.plane_compliance).map(|plane| 2.0 * plane / std::f64::consts::PI);
+        let c = (numbers.bodies).map(|body| 2.0 * body.plane_compliance / std::f64::consts::PI);
         let mut influence = Influence { bulk, lengths };
         influence.divide(c, &pieces, reference, smoothing);
         Ok(influence)
@@ -160,12 +159,14 @@ impl Influence {
             }
             left.cholesky().is_some()
         };
+        // The largest part that leaves a legal matrix, as all below it do; the whole does not.
+        let largest = |is_legal: &dyn Fn(f64) -> bool| bracket([0.0, 1.0], BISECTIONS, is_legal)[0];
         let (all, theta) = if is_legal(1.0, 1.0) {
             (1.0, 1.0)
         } else if is_legal(1.0, 0.0) {
-            (1.0, largest(|theta| is_legal(1.0, theta)))
+            (1.0, largest(&|theta| is_legal(1.0, theta)))
         } else {
-            (largest(|all| is_legal(all, 0.0)), 0.0)
+            (largest(&|all| is_legal(all, 0.0)), 0.0)
         };
         self.bulk = left(all, theta);
         for known in &mut self.lengths {
@@ -174,12 +175,6 @@ impl Influence {
             }
         }
     }
-}
-
-/// The largest number in [0, 1], 0 at least, that is `allowed`, if all below it are and 1 is not.
-fn largest(allowed: impl FnMut(f64) -> bool) -> f64 {
-    // The lower end of what is left, not its middle.
-    bisection([0.0, 1.0], BISECTIONS, allowed) - 0.5f64.powi(BISECTIONS as i32 + 1)
 }
 
 /// ln(reference / length), zero where the length is longer.

@@ -19,7 +19,7 @@
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, LN_2, PI};
 use std::sync::OnceLock;
 
-use super::profile::GapProfile;
+use super::gap::GapProfile;
 
 /// Points of a segment, middles of equal parts, at which local contact is evaluated apart: its edge crosses a segment in small steps.
 pub const POINTS: usize = 4;
@@ -92,12 +92,12 @@ impl Corner {
     }
 }
 
+/// How one gear gives way close to the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalBody {
     /// (1 - nu²) / E, 1/Pa.
     pub plane_compliance: f64,
-    /// Reference length L of the local contact, m.
-    pub reference_length: f64,
+    /// How much more the tooth gives way at its tip edge than a half-plane.
     pub corner: Corner,
 }
 
@@ -188,12 +188,17 @@ struct Contact {
 }
 
 impl LocalContact {
-    /// Law of a segment of `length` (m, along the contact line) between two bodies whose gap is `profile` in the normal
-    /// section.
-    pub fn new(bodies: [LocalBody; 2], profile: &GapProfile, length: f64) -> LocalContact {
+    /// Law of a segment of `length` (m, along the contact line) between two bodies with the reference lengths
+    /// `reference_lengths` (m), whose gap is `profile` in the normal section.
+    pub fn new(
+        bodies: &[LocalBody; 2],
+        reference_lengths: [f64; 2],
+        profile: &GapProfile,
+        length: f64,
+    ) -> LocalContact {
         let each = bodies.map(|body| 2.0 / PI * body.plane_compliance);
         let c = each[0] + each[1];
-        let [first, second] = bodies.map(|body| body.reference_length.ln());
+        let [first, second] = reference_lengths.map(f64::ln);
         let log_reference = (each[0] * first + each[1] * second) / c;
         let corner = bodies[profile.edge_gear()].corner;
         let kappa = 2.0 * c / profile.curvature;
@@ -379,17 +384,17 @@ impl LocalContact {
         }
     }
 
-    /// Largest pressure, Pa, under the force `f`, N: Hertz's inside one parabola, else that of the half-ellipse of the same
+    /// Largest pressure, Pa, under the line load `w`, N/m: Hertz's inside one parabola, else that of the half-ellipse of the same
     /// load and the same mean square distance from its middle. None where contact reaches a tip edge, where it has no bound.
-    pub fn pressure(&self, f: f64) -> Option<f64> {
-        if self.reaches_edge(f) {
-            return None;
-        }
-        let at_relief = self.pressure_at_relief(f.max(0.0) / self.length);
-        Some(at_relief.unwrap_or(self.hertz_pressure(f)))
+    pub fn pressure(&self, w: f64) -> Option<f64> {
+        let inside = w <= self.load_at_edge();
+        inside.then(|| {
+            self.pressure_beyond_hertz(w)
+                .unwrap_or(self.hertz_pressure(w))
+        })
     }
 
-    /// As [`LocalContact::pressure`] under the line load `w` (N/m), where contact reaches the start of a relief and no tip edge.
+    /// The same where contact reaches the start of a relief; None elsewhere.
     ///
     /// At a sharp kink pressure has no bound; this is what it is at one that is rounded over one to one and a quarter half-widths
     /// of the contact.
@@ -412,28 +417,23 @@ impl LocalContact {
         Some(FRAC_1_PI * (w / spread).sqrt())
     }
 
-    /// 2 w / (pi b), with b = sqrt(kappa w), of the force `f`, N: Hertz pressure inside one parabola, Pa.
-    pub fn hertz_pressure(&self, f: f64) -> f64 {
-        2.0 / PI * (f.max(0.0) / self.length / self.kappa).sqrt()
+    /// 2 w / (pi b), with b = sqrt(kappa w), of the line load `w`, N/m: Hertz pressure inside one parabola, Pa.
+    pub fn hertz_pressure(&self, w: f64) -> f64 {
+        2.0 / PI * (w.max(0.0) / self.kappa).sqrt()
     }
 
-    /// Pressure, Pa, of the force `f`, N, where no flank carries it: as [`LocalContact::pressure`], at a tip edge that of Hertz.
-    pub fn overload(&self, f: f64) -> Option<f64> {
+    /// Pressure, Pa, of the line load `w`, N/m, where no flank carries it: as [`LocalContact::pressure`], at a tip edge that of Hertz.
+    pub fn overload(&self, w: f64) -> Option<f64> {
         // b / R = pi c p, with b² = kappa w and kappa = 2 c R.
         let most = LARGEST_HALF_WIDTH_OVER_RADIUS / (PI * self.c);
-        let hertz = self.hertz_pressure(f);
-        let wider = self.pressure_beyond_hertz(f.max(0.0) / self.length);
+        let hertz = self.hertz_pressure(w);
+        let wider = self.pressure_beyond_hertz(w);
         // Whether contact reaches an edge takes longer to find than all else.
         if hertz.max(wider.unwrap_or(0.0)) <= most {
             return None;
         }
-        let pressure = self.pressure(f).unwrap_or(hertz);
+        let pressure = self.pressure(w).unwrap_or(hertz);
         (pressure > most).then_some(pressure)
-    }
-
-    /// Whether contact reaches a tip edge under the force `f`, N.
-    pub fn reaches_edge(&self, f: f64) -> bool {
-        f / self.length > self.load_at_edge()
     }
 
     /// Line load above which contact reaches a tip edge, N/m; infinite where it becomes too wide for the law before.
@@ -521,12 +521,12 @@ mod tests {
     const NO_RELIEF: (f64, f64, f64, f64) = (1.0, 1.0, 0.0, 0.0);
 
     fn law_with(profile: &GapProfile, reference_lengths: [f64; 2], corner: Corner) -> LocalContact {
-        let bodies = reference_lengths.map(|reference_length| LocalBody {
-            plane_compliance: STEEL,
-            reference_length,
+        let plane_compliance = STEEL;
+        let body = LocalBody {
+            plane_compliance,
             corner,
-        });
-        LocalContact::new(bodies, profile, LENGTH)
+        };
+        LocalContact::new(&[body; 2], reference_lengths, profile, LENGTH)
     }
 
     fn law(profile: &GapProfile) -> LocalContact {
@@ -621,7 +621,7 @@ mod tests {
                 let [load, spread, _] = by_cells(&profile, x, range, 300);
                 let found = law.line_load(x).load;
                 assert_relative_eq!(found, load, max_relative = 3e-3);
-                if let Some(pressure) = law.pressure(found * LENGTH) {
+                if let Some(pressure) = law.pressure(found) {
                     let half_width = 2.0 / PI * found / pressure;
                     assert_relative_eq!(half_width, 2.0 * spread, max_relative = 1e-2);
                 }
@@ -669,7 +669,7 @@ mod tests {
         }
         // p = sqrt(w E* / (pi R)), 1/E* = 2 (1 - nu^2) / E.
         let p = (1e5 / (2.0 * STEEL) / (PI * RADIUS)).sqrt();
-        assert_relative_eq!(law.pressure(1e5 * LENGTH).unwrap(), p, max_relative = 1e-13);
+        assert_relative_eq!(law.pressure(1e5).unwrap(), p, max_relative = 1e-13);
         assert!(!law.has_edge() && !law.has_relief());
     }
 
@@ -758,7 +758,7 @@ mod tests {
                 let [from, to] = [at - 0.5 * length, at + 0.5 * length];
                 let profile = relieved([(from, 1.0, 0.0, bend), (to, 1.0, 0.0, -bend)]);
                 let [load, _, pressure] = by_cells(&profile, 4e-6, [-0.35e-3, 0.35e-3], 350);
-                pressure / sharp.pressure(load * LENGTH).unwrap()
+                pressure / sharp.pressure(load).unwrap()
             };
             let [narrow, wide] = [0.9, 1.3].map(rounded);
             assert!(narrow > 1.0 && wide < 1.0, "{at} {slope}: {narrow} {wide}");
@@ -773,10 +773,10 @@ mod tests {
         let laws = [far(), steep].map(|profile| law_with(&profile, [0.6e-3; 2], Corner::NONE));
         let mut judged = [0; 2];
         for step in 1..200 {
-            let f = 40.0 * f64::from(step);
-            let pressures = laws.each_ref().map(|law| law.pressure(f).unwrap());
+            let w = 40.0 * f64::from(step) / LENGTH;
+            let pressures = laws.each_ref().map(|law| law.pressure(w).unwrap());
             for (law, pressure) in laws.iter().zip(pressures) {
-                assert_eq!(law.overload(f), (pressure > most).then_some(pressure));
+                assert_eq!(law.overload(w), (pressure > most).then_some(pressure));
                 judged[usize::from(pressure > most)] += 1;
             }
             // The parabola alone would carry it.

@@ -1,91 +1,144 @@
-//! Contact at one position of the mesh, for any load and misalignment.
+//! Contact at one position of the mesh, for any load and misalignment: the problem, and what a solution says.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use super::candidates::Candidate;
+use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Problem, Solution, Start, Target};
-use super::error::{ContactError, Failure, OperatingPoint, Prescribed, finite};
+use super::edge_load::{EdgeLoad, LawsAlong};
+use super::error::{ContactError, Failure, Prescribed, finite};
+use super::gap::GapProfile;
 use super::influence::Influence;
-use super::local_law::{Corner, LocalBody, LocalContact, POINTS};
-use super::profile::GapProfile;
-use super::setup::{ContactSetup, STIFFNESS_OVER_MODULUS};
+use super::local_law::{LocalContact, POINTS};
+use super::setup::STIFFNESS_OVER_MODULUS;
 use super::transverse::PairNumbers;
+use crate::compliance::Segment;
+use crate::friction::{Sliding, SlidingSums};
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct PositionProblem {
     pub(super) candidates: Vec<Candidate>,
-    /// Bulk influence matrix of both gears over the segments, m/N, less what local contact has taken over.
-    pub(super) bulk: DMatrix<f64>,
+    /// The segments as gear 1 and gear 2 see them; not known at run time, nor are the laws along them.
+    pub(super) seen: Vec<[Segment; 2]>,
+    /// How the segments give way to each other's forces.
+    influence: Influence,
     /// Law of one point of each segment.
     pub(super) local: Vec<LocalContact>,
-    /// Laws along each segment; none at all where loads along segments are not asked for.
+    /// Laws along each segment of a helical pair.
     pub(super) along: Vec<LawsAlong>,
-    /// Reference lengths of both gears at each segment, m.
-    lengths: [Vec<f64>; 2],
-    plane_compliance: [f64; 2],
-    corners: [Corner; 2],
     /// Arm of the normal force on each segment about the axis of gear 1, over its base radius.
     pub(super) arm: DVector<f64>,
-    pub(super) cos_beta_b: f64,
-    base_radius: f64,
-    pub(super) z_ref: f64,
-    limits: Limits,
-}
-
-pub(super) struct LawsAlong {
-    /// Near a tip edge; none where contact does not come to one.
-    pub edge: Vec<LawAt>,
-    /// Where contact may reach the start of a relief.
-    pub relief: Vec<LawAt>,
-}
-
-pub(super) struct LawAt {
-    pub position: f64,
-    pub law: LocalContact,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
+    pub(super) numbers: PairNumbers,
     /// Deviation from the nominal centre distance, m.
-    pub center_distance_offset: f64,
+    center_distance_offset: f64,
     /// Approach up to which tip edges were followed, m; None: not at all.
-    pub reach: Option<f64>,
+    pub(super) reach: Option<f64>,
     /// Stiffness for starting values, N/m per m of contact line.
-    pub foundation: f64,
+    foundation: f64,
 }
 
-impl Limits {
-    pub fn new(setup: &ContactSetup, center_distance_offset: f64) -> Limits {
-        let modulus = setup.geometry.gears.iter().map(|g| g.youngs_modulus);
-        Limits {
-            center_distance_offset,
-            reach: setup.settings.tip_corner_contact.then_some(setup.reach),
-            foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
-        }
+/// Derivatives of load and moment at a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tangent {
+    /// d F_bt / d approach, N/m.
+    pub force_by_approach: f64,
+    /// d F_bt / d misalignment = d moment / d approach, N/rad.
+    pub force_by_misalignment: f64,
+    /// d moment / d misalignment, N m/rad.
+    pub moment_by_misalignment: f64,
+}
+
+/// One segment in a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SegmentLoad {
+    /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face at mesh
+    /// position 0.
+    pub tooth_pair: i32,
+    /// Ends in gear 1's frame, m.
+    pub z: [f64; 2],
+    /// Length of roll on gear 1 and gear 2, m.
+    pub roll: [f64; 2],
+    /// As gear 1 and gear 2 see it.
+    pub seen: [Segment; 2],
+    /// Normal force, N.
+    pub force: f64,
+    /// Largest pressure of the part on which contact stays inside the flanks, Pa: Hertz, and at the start of a relief the
+    /// half-ellipse of the same line load and spread.
+    pub pressure: f64,
+    /// Where contact reaches a tip edge, and pressure has no bound, and bears most.
+    pub edge: Option<EdgeLoad>,
+    /// What stays open between the flanks where they are closest, along the normal, m; zero in contact.
+    pub gap: f64,
+}
+
+impl SegmentLoad {
+    /// Normal force per length of contact line, N/m; `cos_base_helix` is that of the base helix angle.
+    pub fn line_load(&self, cos_base_helix: f64) -> f64 {
+        self.force * cos_base_helix / (self.z[1] - self.z[0])
+    }
+}
+
+/// Static contact at one operating point.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ContactResult {
+    /// STE: approach on the line of action at mid-face from unmodified involutes that just touch, m.
+    pub approach: f64,
+    /// Transverse force on the line of action F_bt, N.
+    pub loa_force: f64,
+    /// Shuttling moment F_bt (z_c - z_ref), N m: of the forces about the normal of the plane of action through the pitch point at
+    /// mid-face, over cos beta_b.
+    pub moment: f64,
+    /// z_c: where the resultant crosses the pitch plane (y = 0), m in gear 1's frame; of helical pairs it may lie beyond the face.
+    /// Mid-face where nothing touches.
+    pub contact_z: f64,
+    /// Fraction of the load on each tooth pair in reach, ascending.
+    pub load_share: Vec<(i32, f64)>,
+    /// Largest pressure of a segment, Pa.
+    pub max_pressure: f64,
+    /// Largest line load at a tip edge, if contact reaches one.
+    pub edge_load: Option<EdgeLoad>,
+    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a
+    /// segment less what its gaps and local contact ask for under the displacement of all forces.
+    pub kkt_residual: f64,
+    /// Newton steps it took.
+    pub iterations: usize,
+    /// Derivatives at the solution.
+    pub tangent: Tangent,
+    /// A pressure that no flank carries, or an approach beyond that for which tip edges were followed.
+    pub excess: Option<Failure>,
+    /// Every segment that may touch, in the order of [`PositionProblem::candidates`].
+    pub segments: Vec<SegmentLoad>,
+}
+
+impl ContactResult {
+    /// Centroid of the load along the face, m in gear 1's frame; NaN without load.
+    pub fn load_centroid(&self) -> f64 {
+        let moments = self.segments.iter();
+        let moment: f64 = moments.map(|s| 0.5 * (s.z[0] + s.z[1]) * s.force).sum();
+        moment / self.segments.iter().map(|s| s.force).sum::<f64>()
     }
 }
 
 impl PositionProblem {
-    pub(super) fn with(
-        numbers: &PairNumbers,
+    /// The problem of `candidates` on `lines`, which give way to each other by `influence`.
+    pub(super) fn new(
+        lines: &ContactLines<'_>,
         candidates: Vec<Candidate>,
         influence: Influence,
-        limits: Limits,
     ) -> PositionProblem {
-        let cos_beta_b = numbers.cos_beta_b;
+        let (setup, numbers) = (lines.setup, lines.section.numbers());
+        let modulus = setup.geometry.gears.iter().map(|g| g.youngs_modulus);
+        let arm = |i: usize, _| candidates[i].arms[0] * numbers.cos_beta_b;
         let mut problem = PositionProblem {
             local: vec![],
-            arm: DVector::from_fn(candidates.len(), |i, _| candidates[i].arms[0] * cos_beta_b),
+            arm: DVector::from_fn(candidates.len(), arm),
             candidates,
-            bulk: influence.bulk,
-            lengths: influence.lengths,
-            plane_compliance: numbers.plane_compliance,
-            corners: numbers.corners,
+            seen: vec![],
+            influence,
             along: vec![],
-            cos_beta_b,
-            base_radius: numbers.base_radius[0],
-            z_ref: numbers.z_ref,
-            limits,
+            numbers: *numbers,
+            center_distance_offset: lines.center_distance_offset,
+            reach: setup.settings.tip_corner_contact.then_some(setup.reach),
+            foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
         };
         let each = problem.candidates.iter().enumerate();
         problem.local = each
@@ -101,13 +154,13 @@ impl PositionProblem {
         profile: &GapProfile,
         lengths: [f64; 2],
     ) -> LocalContact {
-        let bodies = [0, 1].map(|i| LocalBody {
-            plane_compliance: self.plane_compliance[i],
-            reference_length: lengths[i],
-            corner: self.corners[i],
-        });
-        let length = segment.length(self.cos_beta_b) / POINTS as f64;
-        LocalContact::new(bodies, profile, length)
+        let length = segment.length(self.numbers.cos_beta_b) / POINTS as f64;
+        LocalContact::new(&self.numbers.bodies, lengths, profile, length)
+    }
+
+    /// Reference lengths of both gears at segment `i`, m.
+    pub(super) fn lengths(&self, i: usize) -> [f64; 2] {
+        self.influence.lengths.each_ref().map(|lengths| lengths[i])
     }
 
     /// The segments that may touch.
@@ -115,9 +168,19 @@ impl PositionProblem {
         &self.candidates
     }
 
+    /// The same as gear 1 and gear 2 see them.
+    pub fn seen_by_gears(&self) -> &[[Segment; 2]] {
+        &self.seen
+    }
+
+    /// Deviation from the nominal centre distance, m.
+    pub fn center_distance_offset(&self) -> f64 {
+        self.center_distance_offset
+    }
+
     /// Gaps at the points of each segment along the normal under `misalignment`, m; at a tip edge a tilt closes as much as on the path.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
-        let left = |gap: f64, lever: f64| self.cos_beta_b * (gap - misalignment * lever);
+        let left = |gap: f64, lever: f64| self.numbers.cos_beta_b * (gap - misalignment * lever);
         let segments = self.candidates.iter();
         segments
             .map(|c| std::array::from_fn(|q| left(c.gap[q], c.levers[q])))
@@ -141,18 +204,94 @@ impl PositionProblem {
             .fold(f64::INFINITY, f64::min)
     }
 
-    pub(super) fn unsolved(
+    /// Equilibrium under `torque` (N m on gear 1, >= 0) and `misalignment` (rad), from the forces of
+    /// `warm`, a solution at the same position, where there is one. Without torque the flanks just touch.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for a torque that is negative or not finite, else as
+    /// [`PositionProblem::solve_approach`].
+    pub fn solve_torque(
+        &self,
+        torque: f64,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        if !(torque.is_finite() && torque >= 0.0) {
+            return Err(ContactError::input(
+                "torque",
+                torque,
+                "give a finite torque on gear 1 that is not negative; \
+                         the coast flank is a flank of its own",
+            ));
+        }
+        if torque == 0.0 {
+            finite("misalignment", misalignment)?;
+            return self.solve_approach(self.no_load_approach(misalignment), misalignment, None);
+        }
+        self.solve(Prescribed::Torque(torque), misalignment, warm)
+    }
+
+    /// Contact at the given `approach` (m on the line of action at mid-face) and `misalignment` (rad),
+    /// from the forces of `warm` where there is one.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::Unsolved`] where a
+    /// [`Failure`] says why.
+    pub fn solve_approach(
+        &self,
+        approach: f64,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        finite("approach", approach)?;
+        self.solve(Prescribed::Approach(approach), misalignment, warm)
+    }
+
+    fn solve(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        let result = self.solve_beyond(prescribed, misalignment, warm)?;
+        match result.excess {
+            Some(failure) => Err(self.unsolved(prescribed, misalignment, failure)),
+            None => Ok(result),
+        }
+    }
+
+    /// As [`PositionProblem::solve_torque`] and [`PositionProblem::solve_approach`], also where a flank bears more than any
+    /// does, or where tip edges were not followed: for tables, whose ends no load reaches.
+    ///
+    /// # Errors
+    /// What the solve itself can refuse.
+    pub fn solve_beyond(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        let forces = warm.map(|warm| warm.segments.iter().map(|s| s.force).collect::<Vec<_>>());
+        let start = warm.zip(forces.as_deref()).map(|(warm, forces)| Start {
+            forces,
+            approach: warm.approach,
+        });
+        let solution = self.solution(prescribed, misalignment, start)?;
+        Ok(self.result(solution, misalignment))
+    }
+
+    fn unsolved(
         &self,
         prescribed: Prescribed,
         misalignment: f64,
         failure: Failure,
     ) -> ContactError {
-        let at = OperatingPoint {
+        ContactError::Unsolved {
             prescribed,
             misalignment,
-            center_distance_offset: self.limits.center_distance_offset,
-        };
-        ContactError::Unsolved { at, failure }
+            center_distance_offset: self.center_distance_offset,
+            failure,
+        }
     }
 
     /// Solves from `start` if there is one, and says what the solution exceeds.
@@ -161,47 +300,130 @@ impl PositionProblem {
         prescribed: Prescribed,
         misalignment: f64,
         start: Option<Start<'_>>,
-    ) -> Result<Found, ContactError> {
+    ) -> Result<Solution, ContactError> {
         finite("misalignment", misalignment)?;
-        let target = match prescribed {
-            Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
-            Prescribed::Approach(approach) => Target::Approach(approach),
-        };
         let gap = self.gaps(misalignment);
         let problem = Problem {
-            bulk: &self.bulk,
+            bulk: &self.influence.bulk,
             local: &self.local,
             gap: &gap,
             arm: &self.arm,
+            target: match prescribed {
+                Prescribed::Torque(torque) => Target::Force(torque / self.numbers.base_radius[0]),
+                Prescribed::Approach(approach) => Target::Approach(approach),
+            },
+            foundation: self.foundation,
         };
-        let solution = problem
-            .solve(target, start, self.limits.foundation)
+        let mut solution = problem
+            .solve(start)
             .map_err(|failure| self.unsolved(prescribed, misalignment, failure))?;
-        let overload = problem.overload(&solution);
-        let mut excess = overload.map(|pressure| Failure::Overload { pressure });
-        if let (None, Some(reach)) = (excess, self.limits.reach) {
+        if let (None, Some(reach)) = (solution.excess, self.reach) {
             let levers = self.candidates.iter().flat_map(|c| c.levers);
             let needed = levers
                 .map(|lever| solution.approach + misalignment * lever)
                 .fold(f64::NEG_INFINITY, f64::max);
-            excess = (needed > reach).then_some(Failure::BeyondReach { needed, reach });
+            solution.excess = (needed > reach).then_some(Failure::BeyondReach { needed, reach });
         }
-        Ok(Found {
-            solution,
-            gap,
-            excess,
-        })
+        Ok(solution)
     }
 
-    pub(super) fn lengths(&self, i: usize) -> [f64; 2] {
-        self.lengths.each_ref().map(|lengths| lengths[i])
+    fn result(&self, solution: Solution, misalignment: f64) -> ContactResult {
+        let gap = self.gaps(misalignment);
+        let loa_force = self.arm.dot(&solution.force);
+        let over_force = |value: f64| {
+            if loa_force > 0.0 {
+                value / loa_force
+            } else {
+                0.0
+            }
+        };
+        let (moment, tangent) = self.moment(&solution);
+        let edge_loads = self.edge_loads(&solution, &gap);
+        let pressures = self.pressures(&solution.loads, &edge_loads);
+        let mut load_share: Vec<(i32, f64)> = Vec::new();
+        let mut segments = Vec::with_capacity(gap.len());
+        for (i, candidate) in self.candidates.iter().enumerate() {
+            let force = solution.force[i];
+            let share = over_force(self.arm[i] * force);
+            match load_share.last_mut() {
+                Some((k, sum)) if *k == candidate.tooth_pair => *sum += share,
+                _ => load_share.push((candidate.tooth_pair, share)),
+            }
+            let least = gap[i].iter().copied().fold(f64::INFINITY, f64::min);
+            segments.push(SegmentLoad {
+                tooth_pair: candidate.tooth_pair,
+                z: candidate.z,
+                roll: candidate.roll,
+                seen: self.seen[i],
+                force,
+                pressure: pressures[i],
+                edge: edge_loads[i],
+                gap: (least - solution.closing[i]).max(0.0),
+            });
+        }
+        ContactResult {
+            approach: solution.approach,
+            loa_force,
+            moment,
+            contact_z: self.numbers.z_ref + over_force(moment),
+            load_share,
+            max_pressure: pressures.into_iter().fold(0.0, f64::max),
+            edge_load: edge_loads.into_iter().fold(None, EdgeLoad::larger),
+            kkt_residual: solution.kkt_residual,
+            iterations: solution.iterations,
+            tangent,
+            excess: solution.excess,
+            segments,
+        }
     }
-}
 
-pub(super) struct Found {
-    pub solution: Solution,
-    /// Gaps at the points of each segment along the normal under the misalignment, m.
-    pub gap: Vec<[f64; POINTS]>,
-    /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
-    pub excess: Option<Failure>,
+    /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution.
+    ///
+    /// With K the matrix over the segments in contact, c their arms, b = cos beta_b, and s_n the sums of phi' times the
+    /// n-th power of the lever over the points of a segment: dF = K^-1 (c d delta + b s_1 / s_0 dM), and the
+    /// moment changes by b (s_1 / s_0 dF + b (s_2 - s_1^2 / s_0) dM).
+    pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent) {
+        let (mut moment, mut within) = (0.0, 0.0);
+        let normal = self.numbers.cos_beta_b;
+        let mut levers = DVector::zeros(solution.active.len());
+        for (place, &i) in solution.active.iter().enumerate() {
+            let (loads, points) = (&solution.loads[i], &self.candidates[i].levers);
+            let mut sums = [0.0; 3];
+            for ((force, slope), lever) in loads.forces.iter().zip(loads.slopes).zip(points) {
+                moment += normal * force * lever;
+                sums[0] += slope;
+                sums[1] += slope * lever;
+                sums[2] += slope * lever * lever;
+            }
+            levers[place] = normal * sums[1] / sums[0];
+            within += normal * normal * (sums[2] - sums[1] * sums[1] / sums[0]);
+        }
+        let arms = self.arm.select_rows(&solution.active);
+        let [by_approach, by_misalignment] = [&arms, &levers].map(|x| solution.factor.solve(x));
+        let tangent = Tangent {
+            force_by_approach: by_approach.dot(&arms),
+            force_by_misalignment: by_misalignment.dot(&arms),
+            moment_by_misalignment: by_misalignment.dot(&levers) + within,
+        };
+        (moment, tangent)
+    }
+
+    /// How `forces` (N) on the segments slide, whose resultant on the line of action is `loa_force` (N), as `sums` adds up.
+    pub(super) fn sliding(
+        &self,
+        sums: &SlidingSums,
+        forces: impl Iterator<Item = f64>,
+        loa_force: f64,
+    ) -> Sliding {
+        let mut sum = Sliding::default();
+        let normal = loa_force / self.numbers.cos_beta_b;
+        for (segment, force) in self.candidates.iter().zip(forces) {
+            if loa_force > 0.0 && force > 0.0 {
+                let lever = segment.middle() - self.numbers.z_ref;
+                let line_load = force / segment.length(self.numbers.cos_beta_b);
+                sums.add(&mut sum, force / normal, segment.roll, lever, line_load);
+            }
+        }
+        sum
+    }
 }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::candidates::{Candidate, ContactLines};
 use crate::compliance::Segment;
-use crate::gear::PairGeometry;
 use crate::vector::Lanes;
 
 /// Components of stress at each point: along the profile, along the helix, shear; Pa.
@@ -116,20 +116,6 @@ pub struct CondensedRoots {
 /// Lengths of roll at which loads are known.
 pub const ROLLS: usize = 7;
 
-/// Load on a segment as one gear sees it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct StationLoad {
-    /// As [`Segment::tooth`].
-    pub tooth: i32,
-    pub station: usize,
-    /// Ends in gear 1's frame, m.
-    pub z: [f64; 2],
-    /// Length of roll at its middle, m.
-    pub roll: f64,
-    /// Normal force, N.
-    pub force: f64,
-}
-
 impl CondensedRoots {
     /// Number of all values; `None` where the grid makes no sense.
     pub fn value_count(&self) -> Option<usize> {
@@ -146,57 +132,56 @@ impl CondensedRoots {
         makes_sense.then_some(count)
     }
 
-    /// Largest principal stress over face, fillet and loaded teeth of gear `i` of `geometry` under `loads`, Pa; 0 without load.
-    /// `mirrored`: the gear is seen from its other end.
+    /// Largest principal stress over face, fillet and loaded teeth of gear `i` under `loads` on segments of `lines`, Pa; 0 without
+    /// load.
     pub(super) fn largest(
         &self,
-        geometry: &PairGeometry,
+        lines: &ContactLines<'_>,
         i: usize,
-        mirrored: bool,
-        loads: &[StationLoad],
+        loads: &[(&Candidate, f64)],
     ) -> f64 {
-        let gear = &geometry.gears[i];
-        let segments = loads.iter().map(|load| {
-            let z = load.z.map(|z| z - gear.face_offset);
-            let z = match mirrored {
-                true => [gear.face_width - z[1], gear.face_width - z[0]],
-                false => z,
-            };
-            let half = 0.5 * self.roll_by_z * (z[1] - z[0]);
-            Segment {
-                tooth: load.tooth,
-                z,
-                roll: [load.roll - half, load.roll + half],
-            }
-        });
-        let segments: Vec<Segment> = segments.collect();
+        let seen = |(c, _): &(&Candidate, f64)| {
+            let mut segment = lines.seen_by_gear(i, c.tooth_pair, c.z, [c.roll[i]; 2]);
+            let half = 0.5 * self.roll_by_z * (segment.z[1] - segment.z[0]);
+            segment.roll[0] -= half;
+            segment.roll[1] += half;
+            segment
+        };
+        let seen: Vec<Segment> = loads.iter().map(seen).collect();
         let mut stress = vec![0.0; self.fillet.components()];
         let mut largest = 0.0f64;
-        for teeth in segments.chunk_by(|a, b| a.tooth == b.tooth) {
-            self.add_up(teeth[0].tooth, loads, &mut stress);
-            let field = self.fillet.field(&stress, teeth.iter());
+        for of_tooth in seen.chunk_by(|a, b| a.tooth == b.tooth) {
+            self.add_up(i, of_tooth[0].tooth, loads, &seen, &mut stress);
+            let field = self.fillet.field(&stress, of_tooth.iter());
             largest = largest.max(field.largest().stress);
         }
         largest
     }
 
-    /// The components of `stress`, Pa, in the root of `tooth` under `loads`.
-    fn add_up(&self, tooth: i32, loads: &[StationLoad], stress: &mut [f64]) {
+    /// The components of `stress`, Pa, in the root of `tooth` of gear `i` under `loads` on the segments that it sees as `seen`.
+    fn add_up(
+        &self,
+        i: usize,
+        tooth: i32,
+        loads: &[(&Candidate, f64)],
+        seen: &[Segment],
+        stress: &mut [f64],
+    ) {
         stress.fill(0.0);
         let reach = self.reach as i32;
         let [low, high] = self.rolls;
         Lanes::widest().run(|_| {
-            for load in loads {
-                let away = tooth - load.tooth;
+            for ((candidate, force), segment) in loads.iter().zip(seen) {
+                let away = tooth - segment.tooth;
                 if away.abs() > reach {
                     continue;
                 }
-                let x = (load.roll - low) / (high - low) * (ROLLS - 1) as f64;
+                let x = (candidate.roll[i] - low) / (high - low) * (ROLLS - 1) as f64;
                 let first = (x.floor().max(1.0) as usize - 1).min(ROLLS - 4);
-                let column = ((away + reach) as usize * self.stations + load.station) * ROLLS;
+                let column = ((away + reach) as usize * self.stations + candidate.station) * ROLLS;
                 let columns = self.values[(column + first) * stress.len()..].chunks(stress.len());
                 for (weight, column) in cubic(x - first as f64).into_iter().zip(columns) {
-                    let force = weight * load.force;
+                    let force = weight * force;
                     for (sum, value) in stress.iter_mut().zip(column) {
                         *sum += force * f64::from(*value);
                     }

@@ -12,15 +12,13 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::candidates::{Candidate, ContactLines, SegmentName};
+use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Solution, Start};
 use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
-use super::position::{Limits, PositionProblem};
-use super::result::Tangent;
-use super::root_stress::StationLoad;
+use super::position::{PositionProblem, Tangent};
 use super::setup::ContactSetup;
-use super::transverse::{PairNumbers, TransverseSection};
+use super::transverse::PairNumbers;
 use crate::friction::{Sliding, SlidingSums};
 use crate::gear::Flank;
 use crate::gear::teeth::{Counts, Passing};
@@ -65,25 +63,36 @@ pub struct Warm {
 }
 
 /// A pose of the mesh.
-#[derive(Debug, Clone, Copy)]
-struct Pose {
+struct Pose<'a> {
     /// m.
     approach: f64,
-    /// Deviation from the nominal centre distance, m.
-    offset: f64,
     /// rad.
     misalignment: f64,
-    /// Mesh position, in [0, 1).
-    tau: f64,
     /// Which teeth are in mesh.
     counts: Counts,
+    /// At its mesh position, in [0, 1).
+    lines: ContactLines<'a>,
 }
 
-impl Pose {
+impl Pose<'_> {
     /// What a segment is known by in other cycles.
-    fn since_start(self, segment: &Candidate) -> (i64, usize) {
+    fn since_start(&self, segment: &Candidate) -> (i64, usize) {
         let tooth_pair = i64::from(segment.tooth_pair) - self.counts[0];
         (tooth_pair, segment.station)
+    }
+
+    /// The segments that may carry.
+    fn candidates(&self) -> Vec<Candidate> {
+        let mut segments = self.lines.candidates();
+        let overlap = |segment: &Candidate| {
+            let closed = segment.arms[0] * self.approach;
+            let points = segment.levers.into_iter().zip(segment.gap);
+            let each = points.map(|(lever, gap)| closed + self.misalignment * lever - gap);
+            each.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let most = segments.iter().map(overlap).fold(0.0, f64::max);
+        segments.retain(|segment| most > 0.0 && overlap(segment) > -MARGIN * most);
+        segments
     }
 }
 
@@ -147,21 +156,27 @@ impl RuntimeContact {
     ) -> Result<ContactPotential, ContactError> {
         let [approach, offset, misalignment, position] = at;
         let turns = position.floor();
+        let counts = counts.map(|count| count + turns as i64);
+        let last = std::mem::take(&mut warm.forces);
         let pose = Pose {
             approach,
-            offset,
             misalignment,
-            tau: position - turns,
-            counts: counts.map(|count| count + turns as i64),
+            counts,
+            lines: ContactLines {
+                setup: &self.setup,
+                center_distance_offset: offset,
+                section: self.setup.section(&self.numbers, offset)?,
+                flank: self.flank,
+                tau: position - turns,
+                teeth: self.teeth.as_deref().map(|passing| (passing, counts)),
+            },
         };
-        let last = std::mem::take(&mut warm.forces);
-        let section = self.setup.section(&self.numbers, offset)?;
-        let candidates = self.near(&section, pose);
+        let candidates = pose.candidates();
         if candidates.is_empty() {
             return Ok(ContactPotential::default());
         }
         let count = candidates.len();
-        let problem = self.problem(candidates, pose);
+        let problem = self.problem(candidates, &pose.lines);
         let segments = problem.candidates();
         let missing = segments.len() < count;
         let known = |segment| last.get(&pose.since_start(segment)).copied().unwrap_or(0.0);
@@ -171,38 +186,36 @@ impl RuntimeContact {
             approach,
         });
         let solve = |start| problem.solution(Prescribed::Approach(approach), misalignment, start);
-        let found = match solve(start) {
+        let solution = match solve(start) {
             Err(_) if start.is_some() => solve(None),
-            found => found,
+            solution => solution,
         }?;
-        let solution = &found.solution;
-        let carrying = segments
-            .iter()
-            .zip(&solution.force)
-            .filter(|(_, force)| **force > 0.0);
-        warm.forces = carrying
-            .map(|(segment, f)| (pose.since_start(segment), *f))
-            .collect();
-        if warm.forces.is_empty() {
+        let loads = segments.iter().zip(solution.force.iter().copied());
+        let loads: Vec<_> = loads.filter(|(_, force)| *force > 0.0).collect();
+        let forces = loads.iter().map(|(s, force)| (pose.since_start(s), *force));
+        warm.forces = forces.collect();
+        if loads.is_empty() {
             return Ok(ContactPotential {
                 out_of_range: missing,
                 ..ContactPotential::default()
             });
         }
-        let (energy, [by_tau, by_offset]) =
-            self.at_fixed_forces(&problem, &section, pose, solution)?;
-        let (moment, tangent) = problem.moment(solution);
+        let (energy, [by_tau, by_offset]) = self.at_fixed_forces(&problem, &pose, &solution)?;
+        let (moment, tangent) = problem.moment(&solution);
         let force = problem.arm.dot(&solution.force);
         let sliding = (self.friction.as_ref()).map_or(Sliding::default(), |sums| {
-            problem.sliding(sums, solution.force.as_slice(), force)
+            problem.sliding(sums, solution.force.iter().copied(), force)
         });
+        let roots = (self.condensed.roots.as_ref()).filter(|_| self.root_stress);
         Ok(ContactPotential {
             energy,
             gradient: [force, by_offset, moment, by_tau],
             tangent,
             sliding,
-            root_stress: self.root_stress(segments, &solution.force),
-            out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || missing,
+            root_stress: roots.map_or([0.0; 2], |roots| {
+                [0, 1].map(|i| roots[i].largest(&pose.lines, i, &loads))
+            }),
+            out_of_range: solution.excess.is_some() || !self.condensed.holds(offset) || missing,
         })
     }
 
@@ -213,36 +226,45 @@ impl RuntimeContact {
     fn at_fixed_forces(
         &self,
         problem: &PositionProblem,
-        section: &TransverseSection,
-        pose: Pose,
+        pose: &Pose<'_>,
         solution: &Solution,
     ) -> Result<(f64, [f64; 2]), ContactError> {
         let segments = problem.candidates();
         let carries = |i: &usize| solution.force[*i] > 0.0;
         let loaded: Vec<usize> = (0..segments.len()).filter(carries).collect();
-        let names: Vec<SegmentName> = loaded.iter().map(|&i| segments[i].name()).collect();
+        let carrying: Vec<&Candidate> = loaded.iter().map(|&i| &segments[i]).collect();
         let forces: DVector<f64> = solution.force.select_rows(&loaded);
-        let scale = |k| self.compliance(pose, k);
-        let influence = self.condensed.slopes(&names, scale, pose.tau, pose.offset);
+        let lines = &pose.lines;
+        let influence = self.condensed.slopes(&carrying, lines);
         let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
-        let (tau, offset) = (pose.tau + STEPS[0], pose.offset + STEPS[1]);
-        let farther = (section.near(self.setup.geometry.center_distance + offset))
-            .ok_or_else(|| self.setup.out_of_mesh(offset))?;
+        let offset = lines.center_distance_offset + STEPS[1];
+        let farther = (lines.section).near(self.setup.geometry.center_distance + offset);
         let moved = [
-            (Pose { tau, ..pose }, section),
-            (Pose { offset, ..pose }, &farther),
+            ContactLines {
+                tau: lines.tau + STEPS[0],
+                ..lines.clone()
+            },
+            ContactLines {
+                center_distance_offset: offset,
+                section: farther.ok_or_else(|| self.setup.out_of_mesh(offset))?,
+                ..lines.clone()
+            },
         ];
         let mut energy = 0.0;
         for (number, &i) in loaded.iter().enumerate() {
             let deflection = problem.arm[i] * pose.approach - solution.closing[i];
             let local = solution.loads[i].energy();
             energy += 0.5 * solution.force[i] * deflection + local;
-            for (axis, (pose, section)) in moved.iter().enumerate() {
+            for (axis, lines) in moved.iter().enumerate() {
                 let known = problem.lengths(i);
                 let grown = |g: usize| influence[axis].lengths[g][number] * STEPS[axis];
                 let lengths = [0, 1].map(|g| known[g] + grown(g));
-                let segment = self.lines(section, *pose).segment(pose.tau, names[number]);
-                let there = segment.map_or(0.0, |segment| {
+                let Candidate {
+                    tooth_pair,
+                    station,
+                    ..
+                } = segments[i];
+                let there = (lines.segment(tooth_pair, station)).map_or(0.0, |segment| {
                     let law = problem.law(&segment, &segment.profile, lengths);
                     let closing = self.numbers.cos_beta_b * segment.arms[0] * pose.approach;
                     let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
@@ -255,76 +277,21 @@ impl RuntimeContact {
         Ok((energy, slopes))
     }
 
-    /// Stress in the tooth roots under the normal forces `forces` on `segments`.
-    fn root_stress(&self, segments: &[Candidate], forces: &DVector<f64>) -> [f64; 2] {
-        let Some(roots) = self.condensed.roots.as_ref().filter(|_| self.root_stress) else {
-            return [0.0; 2];
-        };
-        let geometry = &self.setup.geometry;
-        std::array::from_fn(|i| {
-            let loaded = segments
-                .iter()
-                .zip(forces)
-                .filter(|(_, force)| **force > 0.0);
-            let loads = loaded.map(|(segment, force)| StationLoad {
-                tooth: [segment.tooth_pair, -segment.tooth_pair][i],
-                station: segment.station,
-                z: segment.z,
-                roll: segment.roll[i],
-                force: *force,
-            });
-            let mirrored = geometry.is_mirrored(self.flank, i);
-            roots[i].largest(geometry, i, mirrored, &loads.collect::<Vec<_>>())
-        })
-    }
-
-    fn near(&self, section: &TransverseSection, pose: Pose) -> Vec<Candidate> {
-        let mut segments = self.lines(section, pose).candidates(pose.tau);
-        let overlap = |segment: &Candidate| {
-            let closed = segment.arms[0] * pose.approach;
-            let points = segment.levers.into_iter().zip(segment.gap);
-            let each = points.map(|(lever, gap)| closed + pose.misalignment * lever - gap);
-            each.fold(f64::NEG_INFINITY, f64::max)
-        };
-        let most = segments.iter().map(overlap).fold(0.0, f64::max);
-        segments.retain(|segment| most > 0.0 && overlap(segment) > -MARGIN * most);
-        segments
-    }
-
-    fn lines<'a>(&'a self, section: &'a TransverseSection, pose: Pose) -> ContactLines<'a> {
-        ContactLines {
-            teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
-            ..ContactLines::new(&self.setup, section, self.flank)
-        }
-    }
-
-    /// Compliance of tooth pair `k` under its own load over that of others.
-    fn compliance(&self, pose: Pose, k: i32) -> f64 {
-        let shares = self.condensed.shares;
-        (self.teeth.as_ref()).map_or(1.0, |teeth| teeth.compliance(shares, pose.counts, k))
-    }
-
     /// The problem of those of `candidates` that the nodes hold; others, far beyond their centre distances, bear nothing.
-    fn problem(&self, mut candidates: Vec<Candidate>, pose: Pose) -> PositionProblem {
+    fn problem(&self, mut candidates: Vec<Candidate>, lines: &ContactLines<'_>) -> PositionProblem {
         let influence = |candidates: &[Candidate]| {
-            let names: Vec<SegmentName> = candidates.iter().map(Candidate::name).collect();
-            let scale = |k| self.compliance(pose, k);
-            self.condensed
-                .influence(&names, scale, pose.tau, pose.offset)
+            let segments: Vec<&Candidate> = candidates.iter().collect();
+            self.condensed.influence(&segments, lines)
         };
         let mut known = influence(&candidates);
         let [first, second] = &known.lengths;
-        let held: Vec<bool> = first
-            .iter()
-            .zip(second)
-            .map(|(a, b)| *a > 0.0 && *b > 0.0)
-            .collect();
+        let held = first.iter().zip(second).map(|(a, b)| *a > 0.0 && *b > 0.0);
+        let held: Vec<bool> = held.collect();
         if held.contains(&false) {
             let mut held = held.into_iter();
             candidates.retain(|_| held.next() == Some(true));
             known = influence(&candidates);
         }
-        let limits = Limits::new(&self.setup, pose.offset);
-        PositionProblem::with(&self.numbers, candidates, known, limits)
+        PositionProblem::new(lines, candidates, known)
     }
 }

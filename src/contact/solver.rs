@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines, SegmentName, along_segment};
+use super::candidates::{Candidate, ContactLines, along_segment};
+use super::condensed::{CondensedNode, MARGIN as NODE_MARGIN};
 use super::error::{ContactError, Failure, Prescribed, finite};
 use super::influence::Influence;
-use super::position::{Limits, PositionProblem};
-use super::result::ContactResult;
+use super::position::{ContactResult, PositionProblem};
 use super::setup::{ContactSettings, ContactSetup, Deflection, estimated_reach, widest_contact};
-use super::transverse::{PairNumbers, TransverseSection};
-use crate::compliance::{Segment, ToothCompliance};
+use super::transverse::PairNumbers;
+use crate::compliance::{BeyondModel, Segment, ToothCompliance};
 use crate::friction::{FrictionLaw, Sliding, SlidingSums};
 use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
 use crate::pair::Pair;
@@ -211,12 +211,10 @@ impl ContactSolver {
                 "give one (m) at which no tip reaches the root of its mate",
             ));
         }
-        let section = self.section(center_distance_offset)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
-        let candidates = lines.candidates(tau);
-        self.problem(&lines, tau, candidates, center_distance_offset)
+        let lines = self.lines(flank, tau, center_distance_offset)?;
+        self.problem(&lines, lines.candidates())
     }
 
     /// As [`ContactSolver::position`] of tooth pair 0 alone, all other teeth out of the way, at `place` base pitches from where it
@@ -230,10 +228,8 @@ impl ContactSolver {
         place: f64,
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
-        let section = self.section(center_distance_offset)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
-        let candidates = lines.of_pair(place, 0).collect();
-        self.problem(&lines, place, candidates, center_distance_offset)
+        let lines = self.lines(flank, place, center_distance_offset)?;
+        self.problem(&lines, lines.of_pair(0).collect())
     }
 
     /// Places between which a tooth pair comes within the reach of contact at the deviation `center_distance_offset` (m).
@@ -241,7 +237,8 @@ impl ContactSolver {
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
     pub fn passage(&self, center_distance_offset: f64) -> Result<[f64; 2], ContactError> {
-        Ok(self.section(center_distance_offset)?.passage())
+        let section = self.setup.section(&self.numbers, center_distance_offset)?;
+        Ok(section.passage())
     }
 
     /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is not
@@ -256,9 +253,8 @@ impl ContactSolver {
         center_distance_offset: f64,
         misalignment: f64,
     ) -> Result<f64, ContactError> {
-        let section = self.section(center_distance_offset)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
-        let touches = lines.of_pair(place, 0).flat_map(|segment| {
+        let lines = self.lines(flank, place, center_distance_offset)?;
+        let touches = lines.of_pair(0).flat_map(|segment| {
             let points = segment.levers.into_iter().zip(segment.gap);
             points.map(move |(lever, gap)| (gap - misalignment * lever) / segment.arms[0])
         });
@@ -268,17 +264,15 @@ impl ContactSolver {
     fn problem(
         &self,
         lines: &ContactLines<'_>,
-        tau: f64,
         mut candidates: Vec<Candidate>,
-        center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
         if candidates.is_empty() {
-            return Err(self.setup.out_of_mesh(center_distance_offset));
+            return Err(self.setup.out_of_mesh(lines.center_distance_offset));
         }
         for candidate in &mut candidates {
             let closed = candidate.points().map(|z| {
                 let [closing, slope] = self.deflection.closing(z);
-                let y = lines.contact_line(tau, candidate.tooth_pair, z);
+                let y = lines.contact_line(candidate.tooth_pair, z);
                 closing + slope * self.numbers.lean(lines.flank) * y
             });
             let closed = along_segment(closed, self.setup.settings.own_share);
@@ -286,14 +280,14 @@ impl ContactSolver {
                 *gap -= closed;
             }
         }
-        let influence =
-            self.influence_of(lines, tau, &candidates, center_distance_offset, false)?;
-        let mut limits = Limits::new(&self.setup, center_distance_offset);
+        let seen = lines.all_seen_by_gears(&candidates, false);
+        let influence = self.influence_of(lines, &candidates, &seen)?;
+        let mut problem = PositionProblem::new(lines, candidates, influence);
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection_range(&self.deflection);
-        limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
-        let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
-        problem.sample_along(lines, tau);
+        problem.reach = problem.reach.map(|reach| reach - largest.max(0.0));
+        problem.seen = seen;
+        problem.sample_along(lines);
         Ok(problem)
     }
 
@@ -305,25 +299,8 @@ impl ContactSolver {
         law: &FrictionLaw,
     ) -> Sliding {
         let sums = SlidingSums::new(self.geometry(), law);
-        problem.sliding(&sums, &result.forces, result.loa_force)
-    }
-
-    /// Segments at the mesh position `tau` in [0, 1), each by its tooth pair and its ends (m in gear 1's frame), as gear 1 and gear 2 see them.
-    ///
-    /// # Errors
-    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
-    pub fn seen_by_gears(
-        &self,
-        flank: Flank,
-        tau: f64,
-        center_distance_offset: f64,
-        segments: impl Iterator<Item = (i32, [f64; 2])>,
-    ) -> Result<Vec<[Segment; 2]>, ContactError> {
-        let section = self.section(center_distance_offset)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
-        Ok(segments
-            .map(|(k, z)| lines.seen_by_gears(tau, k, z, false))
-            .collect())
+        let forces = result.segments.iter().map(|segment| segment.force);
+        problem.sliding(&sums, forces, result.loa_force)
     }
 
     /// The stations along the face as gear 1 and gear 2 see them where tooth pair 0 touches at the pitch point at mid-face.
@@ -331,53 +308,62 @@ impl ContactSolver {
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
     pub fn stations(&self, flank: Flank) -> Result<Vec<[Segment; 2]>, ContactError> {
-        let section = self.section(0.0)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
+        let lines = self.lines(flank, 0.0, 0.0)?;
         let stations = 0..self.setup.settings.stations;
-        let seen = |station| lines.seen_by_gears(0.0, 0, lines.station(station), true);
+        let seen = |station| lines.seen_by_gears(0, lines.station(station), true);
         Ok(stations.map(seen).collect())
     }
 
-    /// Influence of whole segments at the mesh position `tau` in [0, 1), those up to `margin` (base pitches) beyond the reach of
-    /// contact, too.
-    pub(super) fn influence(
+    /// Influence of whole segments of `flank` at a place of [`super::CondensedFlank::grid`]. Nodes do not depend on each other.
+    ///
+    /// # Errors
+    /// As [`ContactSolver::position`].
+    pub fn node(
         &self,
         flank: Flank,
-        tau: f64,
-        center_distance_offset: f64,
-        margin: f64,
-    ) -> Result<(Vec<SegmentName>, Influence), ContactError> {
-        let section = self.section(center_distance_offset)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
-        let segments = lines.segments_beyond(tau, margin * self.numbers.base_pitch);
-        let influence = self.influence_of(&lines, tau, &segments, center_distance_offset, true)?;
-        Ok((segments.iter().map(Candidate::name).collect(), influence))
+        [tau, center_distance_offset]: [f64; 2],
+    ) -> Result<CondensedNode, ContactError> {
+        let lines = self.lines(flank, tau, center_distance_offset)?;
+        let segments = lines.segments_beyond(NODE_MARGIN * self.numbers.base_pitch);
+        let seen = lines.all_seen_by_gears(&segments, true);
+        let influence = self.influence_of(&lines, &segments, &seen)?;
+        Ok(CondensedNode {
+            segments,
+            influence,
+        })
     }
 
     /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.
     pub(super) fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
-        let section = self.section(0.0)?;
-        let lines = ContactLines::new(&self.setup, &section, flank);
-        let mut segments = lines.segments_beyond(0.0, 0.0);
+        let lines = self.lines(flank, 0.0, 0.0)?;
+        let mut segments = lines.segments_beyond(0.0);
         segments.retain(|segment| segment.tooth_pair == 0);
+        let seen = lines.all_seen_by_gears(&segments, true);
         let mut sums = [0.0; 2];
         for (i, sum) in sums.iter_mut().enumerate() {
-            let seen = segments
-                .iter()
-                .map(|s| lines.seen_by_gears(0.0, 0, s.z, true)[i]);
-            let bulk = self.model(&lines, i).bulk(&seen.collect::<Vec<_>>());
-            let beyond = |model| ContactError::BeyondModel {
-                center_distance_offset: 0.0,
-                model,
-            };
-            *sum = bulk.map_err(beyond)?.sum();
+            let seen: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
+            let bulk = self.model(&lines, i).bulk(&seen);
+            *sum = bulk.map_err(|model| beyond(&lines, model))?.sum();
         }
         let all = sums[0] + sums[1];
         Ok(sums.map(|sum| sum / all))
     }
 
-    fn section(&self, offset: f64) -> Result<TransverseSection, ContactError> {
-        self.setup.section(&self.numbers, offset)
+    /// The contact lines of `flank` at the mesh position `tau` and the deviation `center_distance_offset` (m).
+    fn lines(
+        &self,
+        flank: Flank,
+        tau: f64,
+        center_distance_offset: f64,
+    ) -> Result<ContactLines<'_>, ContactError> {
+        Ok(ContactLines {
+            setup: &self.setup,
+            center_distance_offset,
+            section: self.setup.section(&self.numbers, center_distance_offset)?,
+            flank,
+            tau,
+            teeth: None,
+        })
     }
 
     /// The elastic model of gear `i`, turned where the gear is seen from its other end.
@@ -389,23 +375,22 @@ impl ContactSolver {
         }
     }
 
-    /// Influence of `segments`; `clamped`: those beyond the reach of contact as if they lay at its end.
+    /// Influence of `segments`, which the gears see as `seen`.
     fn influence_of(
         &self,
         lines: &ContactLines<'_>,
-        tau: f64,
         segments: &[Candidate],
-        center_distance_offset: f64,
-        clamped: bool,
+        seen: &[[Segment; 2]],
     ) -> Result<Influence, ContactError> {
-        let seen = |s: &Candidate| lines.seen_by_gears(tau, s.tooth_pair, s.z, clamped);
-        let seen: Vec<_> = segments.iter().map(seen).collect();
         let models = [0, 1].map(|i| self.model(lines, i));
-        let reference = self.setup.reference_length;
-        let influence = Influence::new(&self.numbers, models, segments, &seen, reference);
-        influence.map_err(|model| ContactError::BeyondModel {
-            center_distance_offset,
-            model,
-        })
+        let influence = Influence::new(lines, models, segments, seen);
+        influence.map_err(|model| beyond(lines, model))
+    }
+}
+
+fn beyond(lines: &ContactLines<'_>, model: BeyondModel) -> ContactError {
+    ContactError::BeyondModel {
+        center_distance_offset: lines.center_distance_offset,
+        model,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::local_law::Corner;
+use super::local_law::{Corner, LocalBody};
 use crate::gear::{Flank, Gear, PairGeometry};
 use crate::root::bisection;
 
@@ -17,6 +17,8 @@ pub struct PairNumbers {
     pub kappa: [f64; 2],
     /// +1 external, -1 internal pair.
     pub e: f64,
+    /// Growth of the lengths of roll with the conjugate position: q = kappa_1 for gear 1 and -kappa_2 for gear 2.
+    pub q: [f64; 2],
     /// abs(rb1 + e rb2), m.
     pub base_radius_sum: f64,
     pub base_pitch: f64,
@@ -31,9 +33,8 @@ pub struct PairNumbers {
     pub face: [f64; 2],
     pub tip_roll: [f64; 2],
     pub face_offset: [f64; 2],
-    pub plane_compliance: [f64; 2],
-    /// How much more teeth give way at their tip edges than half-planes.
-    pub corners: [Corner; 2],
+    /// How both gears give way close to the contact.
+    pub bodies: [LocalBody; 2],
 }
 
 impl PairNumbers {
@@ -42,16 +43,20 @@ impl PairNumbers {
     pub fn new(geometry: &PairGeometry, corner_resolution: [f64; 2]) -> PairNumbers {
         let each = |number: fn(&Gear) -> f64| geometry.gears.each_ref().map(number);
         let (low, width) = geometry.face_overlap();
-        let plane_compliance = each(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus);
-        let corners = [0, 1].map(|i| {
+        let bodies = [0, 1].map(|i| {
             let gear = &geometry.gears[i];
+            let plane_compliance = (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus;
             let angle = FRAC_PI_2 + (gear.tip_form_roll() / gear.base_radius()).atan();
-            Corner::new(angle, plane_compliance[i], corner_resolution[i])
+            LocalBody {
+                plane_compliance,
+                corner: Corner::new(angle, plane_compliance, corner_resolution[i]),
+            }
         });
         PairNumbers {
             base_radius: each(|g| g.base_radius()),
             kappa: each(|g| g.kappa()),
             e: geometry.e(),
+            q: [geometry.gears[0].kappa(), -geometry.gears[1].kappa()],
             base_radius_sum: geometry.base_radius_sum(),
             base_pitch: geometry.base_pitch(),
             tan_beta_b: geometry.base_helix_angle().tan(),
@@ -61,8 +66,7 @@ impl PairNumbers {
             face: [low, width],
             tip_roll: each(|g| g.tip_form_roll()),
             face_offset: each(|g| g.face_offset),
-            plane_compliance,
-            corners,
+            bodies,
         }
     }
 
@@ -110,29 +114,17 @@ pub struct TransversePoint {
 ///
 /// Coordinates: pitch point as origin, x along the line of action in the sense in which contact moves,
 /// y normal to it towards the side on which gear 1's base tangent point sees its centre behind (O1 lies
-/// at y = -rb1). Both base circles carry their tangent points along +x while the pair turns. With
-/// q = kappa_1 for gear 1 and -kappa_2 for gear 2, the length of roll is rb tan phi + q xi on either.
+/// at y = -rb1). Both base circles carry their tangent points along +x while the pair turns. The length of roll is
+/// rb tan phi + q xi on either gear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransverseSection {
     numbers: PairNumbers,
-    sides: [Side; 2],
+    /// Lengths of roll at which the involutes end at the root, m.
+    form_rolls: [f64; 2],
     tan_phi: f64,
     path: [f64; 2],
     /// How far candidates go, m from the pitch point: beyond the path where tip corners count.
     reach: [f64; 2],
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Side {
-    rb: f64,
-    kappa: f64,
-    /// Length of roll grows by q per unit of xi.
-    q: f64,
-    /// y of the base tangent point seen from the centre, over rb.
-    up: f64,
-    tip_roll: f64,
-    /// Length of roll at which the involute ends at the root.
-    form_roll: f64,
 }
 
 impl TransverseSection {
@@ -144,25 +136,17 @@ impl TransverseSection {
         form_rolls: [f64; 2],
         separation_limit: Option<f64>,
     ) -> Option<TransverseSection> {
-        let side = |i: usize| Side {
-            rb: numbers.base_radius[i],
-            kappa: numbers.kappa[i],
-            q: if i == 0 { 1.0 } else { -1.0 } * numbers.kappa[i],
-            up: if i == 0 { 1.0 } else { -numbers.e },
-            tip_roll: numbers.tip_roll[i],
-            form_roll: form_rolls[i],
-        };
-        let sides = [side(0), side(1)];
         let tan_phi = numbers.tan_phi(center_distance);
-        let beyond = |side: &Side| side.kappa * (side.tip_roll - side.rb * tan_phi);
-        let path = [-beyond(&sides[1]), beyond(&sides[0])];
+        let beyond =
+            |i: usize| numbers.kappa[i] * (numbers.tip_roll[i] - numbers.base_radius[i] * tan_phi);
+        let path = [-beyond(1), beyond(0)];
         let length = path[1] - path[0];
         if length.is_nan() || length <= 0.0 {
             return None;
         }
         let mut section = TransverseSection {
             numbers: *numbers,
-            sides,
+            form_rolls,
             tan_phi,
             path,
             reach: path,
@@ -177,9 +161,8 @@ impl TransverseSection {
 
     /// The section at a `center_distance` (m) next to this one, with candidates as far as here.
     pub fn near(&self, center_distance: f64) -> Option<TransverseSection> {
-        let form_rolls = self.sides.map(|side| side.form_roll);
-        let section = TransverseSection::new(&self.numbers, center_distance, form_rolls, None)?;
-        let reach = self.reach;
+        let (numbers, reach) = (&self.numbers, self.reach);
+        let section = TransverseSection::new(numbers, center_distance, self.form_rolls, None)?;
         Some(TransverseSection { reach, ..section })
     }
 
@@ -217,17 +200,18 @@ impl TransverseSection {
 
     /// Length of flank from the length of roll `roll` on gear `i` to its tip edge, m.
     pub fn distance_to_edge(&self, i: usize, roll: f64) -> f64 {
-        let side = &self.sides[i];
-        (side.kappa * (side.tip_roll - roll) * (side.tip_roll + roll) / (2.0 * side.rb)).max(0.0)
+        let n = &self.numbers;
+        let (tip, double_base) = (n.tip_roll[i], 2.0 * n.base_radius[i]);
+        (n.kappa[i] * (tip - roll) * (tip + roll) / double_base).max(0.0)
     }
 
     /// Lengths of roll of gear `i` at its tip and where its involute ends at the root, m.
     pub fn flank_ends(&self, i: usize) -> [f64; 2] {
-        [self.sides[i].tip_roll, self.sides[i].form_roll]
+        [self.numbers.tip_roll[i], self.form_rolls[i]]
     }
 
     fn roll(&self, i: usize, xi: f64) -> f64 {
-        self.sides[i].rb * self.tan_phi + self.sides[i].q * xi
+        self.numbers.base_radius[i] * self.tan_phi + self.numbers.q[i] * xi
     }
 
     /// The tip edge of the gear whose tip ends the path at `end` (0: gear 2, at the start; 1: gear 1)
@@ -237,51 +221,54 @@ impl TransverseSection {
     /// edge: base radius times the angle by which the mate would have to turn to touch it.
     fn tip_corner(&self, end: usize, xi: f64) -> TransversePoint {
         let (tip, mate) = (1 - end, end);
-        let (a, b) = (&self.sides[tip], &self.sides[mate]);
-        let turn = (xi - self.path[end]) / a.rb;
+        let n = &self.numbers;
+        let (rb, q, tip_roll) = (n.base_radius[tip], n.q[tip], n.tip_roll[tip]);
+        let (mate_rb, mate_q) = (n.base_radius[mate], n.q[mate]);
+        // y of the base tangent point seen from the centre, over the base radius.
+        let (up, mate_up) = if tip == 0 { (1.0, -n.e) } else { (-n.e, 1.0) };
+        let turn = (xi - self.path[end]) / rb;
         let (sin, cos) = turn.sin_cos();
         // Seen from the centre of the tip's gear: towards its base tangent point, and along x.
-        let (normal, along) = (
-            a.rb * cos - a.q * a.tip_roll * sin,
-            a.rb * sin + a.q * a.tip_roll * cos,
-        );
-        let from_tip = [along, normal];
-        let x = along - a.q * a.rb * self.tan_phi;
-        let y = a.up * (normal - a.rb);
+        let from_tip = [rb * sin + q * tip_roll * cos, rb * cos - q * tip_roll * sin];
+        let x = from_tip[0] - q * rb * self.tan_phi;
+        let y = up * (from_tip[1] - rb);
         // Seen from the centre of the mate.
-        let (normal, along) = (b.up * y + b.rb, x + b.q * b.rb * self.tan_phi);
+        let (normal, along) = (mate_up * y + mate_rb, x + mate_q * mate_rb * self.tan_phi);
         let radius = normal.hypot(along);
-        let roll = ((radius - b.rb).max(0.0) * (radius + b.rb)).sqrt();
-        let (seen, involute) = (along.atan2(normal), (roll / b.rb).atan());
-        let involute_angle = (xi - b.q * (roll - b.rb * self.tan_phi)) / b.rb + b.q * involute;
-        let behind = b.rb * (involute_angle - seen);
-        let mut rolls = [0.0; 2];
-        rolls[tip] = a.tip_roll;
-        rolls[mate] = roll;
-        let mut arms = [1.0; 2];
+        let mate_roll = ((radius - mate_rb).max(0.0) * (radius + mate_rb)).sqrt();
+        let (seen, involute) = (along.atan2(normal), (mate_roll / mate_rb).atan());
+        let involute_angle =
+            (xi - mate_q * (mate_roll - mate_rb * self.tan_phi)) / mate_rb + mate_q * involute;
+        let behind = mate_rb * (involute_angle - seen);
         // The force acts along the mate's normal, turned by this about the mate's centre.
-        let turned = seen - b.q * involute;
-        let about_tip_gear =
-            (from_tip[1] * turned.cos() + a.up * b.up * from_tip[0] * turned.sin()) / a.rb;
+        let turned = seen - mate_q * involute;
+        let arm = (from_tip[1] * turned.cos() + up * mate_up * from_tip[0] * turned.sin()) / rb;
         // By how much the normals have turned out of the line of action: clockwise about a centre below it,
         // counter-clockwise about one above.
-        let inclined = (a.up * turn - b.up * turned).abs();
-        arms[tip] = about_tip_gear;
-        TransversePoint {
-            roll: rolls,
-            separation: if mate == 1 { behind } else { -behind },
-            slope: if tip == 0 { -inclined } else { inclined },
-            arms,
+        let inclined = (up * turn - mate_up * turned).abs();
+        match tip == 0 {
+            true => TransversePoint {
+                roll: [tip_roll, mate_roll],
+                separation: behind,
+                slope: -inclined,
+                arms: [arm, 1.0],
+            },
+            false => TransversePoint {
+                roll: [mate_roll, tip_roll],
+                separation: -behind,
+                slope: inclined,
+                arms: [1.0, arm],
+            },
         }
     }
 
     /// Farthest conjugate position beyond the path's `end` with a separation below `limit` and a tip edge that faces the involute.
     fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
-        let mate = &self.sides[end];
         let is_within = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
-            point.separation <= limit && mate.kappa * (mate.form_roll - point.roll[end]) <= 0.0
+            let left = self.numbers.kappa[end] * (self.form_rolls[end] - point.roll[end]);
+            point.separation <= limit && left <= 0.0
         };
         let longest = 0.5 * (self.path[1] - self.path[0]);
         self.path[end] + sign * bisection([0.0, longest], HALVINGS, is_within)

@@ -479,7 +479,6 @@ impl<T: Scalar> Engagement<T> {
     /// At centre distance `c` with c2 at the axial position `lambda` in gear 2's frame.
     #[inline(always)]
     fn new(k: &Constants, c: T, lambda: T) -> Self {
-        let one = T::from(1.0);
         let (radial, radial_slope) = radial_share(k, c);
         let [(low, low_slope), (high, high_slope)] = face_overlap(k, -lambda + k.z_ref);
         let per_half = 2.0 / (k.common_face[1] - k.common_face[0]);
@@ -488,7 +487,7 @@ impl<T: Scalar> Engagement<T> {
             factor: radial * axial,
             by_center_distance: radial_slope * axial * k.reach.per_span,
             by_axial_position: radial * axial_slope * ((high_slope - low_slope) * per_half),
-            leaving: radial < one || axial < one || is_shifted(k, [low.re(), high.re()]),
+            leaving: radial.re() < 1.0 || axial.re() < 1.0 || is_shifted(k, [low.re(), high.re()]),
         }
     }
 }

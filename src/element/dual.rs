@@ -23,7 +23,6 @@ pub trait Scalar:
     nalgebra::Scalar
     + Copy
     + Default
-    + PartialOrd
     + From<f64>
     + ClosedAddAssign
     + ClosedSubAssign
@@ -138,14 +137,6 @@ impl From<f64> for Dual {
             re,
             eps: [0.0; part::COUNT],
         }
-    }
-}
-
-impl PartialOrd for Dual {
-    /// By the value.
-    #[inline(always)]
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        self.re.partial_cmp(&other.re)
     }
 }
 

@@ -591,15 +591,6 @@ mod tests {
     use std::ffi::CStr;
     use std::sync::Mutex;
 
-    fn log(logger: fmi2CallbackLogger) -> Log {
-        Log {
-            logger,
-            environment: ptr::null_mut(),
-            name: c_string("mesh"),
-            is_on: Log::categories(false),
-        }
-    }
-
     #[test]
     fn log_categories_are_in_the_order_of_the_severities() {
         use Severity::*;
@@ -660,7 +651,12 @@ mod tests {
             unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(listen as *const ()) };
         let component = Component {
             instance: constant_stiffness(Interface::CoSimulation),
-            log: log(logger),
+            log: Log {
+                logger,
+                environment: ptr::null_mut(),
+                name: c_string("mesh"),
+                is_on: Log::categories(false),
+            },
         };
         Box::into_raw(Box::new(component)).cast()
     }

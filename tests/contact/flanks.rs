@@ -1,7 +1,6 @@
 //! Relieved flanks, pressures and what no pair may be refused for.
 
 use super::*;
-use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::gear::{ProfileRelief, ReliefShape};
 
 /// The paper's pair with `amount` (m) of tip relief on both gears over the last part `share` of the path.
@@ -30,14 +29,7 @@ fn cycle(pair: &Pair, stations: usize, torque: f64) -> MeshCycle {
         stations,
         ..ContactSettings::for_pair(pair)
     };
-    let input = CycleInput {
-        flank: Flank::Drive,
-        torque,
-        center_distance_offset: 0.0,
-        misalignment: 0.0,
-        positions: 16,
-    };
-    MeshCycle::solve(&coarse_solver(pair, settings), &input).unwrap()
+    mesh_cycle(&coarse_solver(pair, settings), torque, 0.0, 16)
 }
 
 #[test]

@@ -1,9 +1,6 @@
 //! Stress in the tooth roots over mesh cycles.
 
 use super::*;
-use gearmesh::pair::Refinement;
-use gearmesh_preprocessor::contact::{CycleInput, GearRoots, LoadCase, MeshCycle};
-use gearmesh_preprocessor::finite_element::{RootStress, Settings, pair_root_stress};
 
 /// Two equal gears of opposite hand, 20 teeth, module 3 mm.
 fn pair(helix_deg: f64) -> Pair {
@@ -16,30 +13,18 @@ fn pair(helix_deg: f64) -> Pair {
              "operating": {{ "nominal_torque_nm": 100.0, "maximum_torque_nm": 150.0,
                "center_distance_offset_um": [-20.0, 20.0], "misalignment_mrad": [-1.0, 1.0] }} }}"#
     );
-    let mut pair = pair::from_json(&text).unwrap();
-    pair.refinement = Refinement::Coarse;
-    pair
-}
-
-fn models(pair: &Pair) -> [Arc<RootStress>; 2] {
-    let settings = Settings::for_pair(pair);
-    let found = pair_root_stress(&pair.geometry, Flank::Drive, &settings, None, &|_, _, _| {
-        true
-    })
-    .unwrap();
-    found.map(|(model, _)| model)
+    pair::from_json(&text).unwrap()
 }
 
 /// Roots of both gears at each of `cases` (torque, misalignment in rad).
 fn solve(pair: &Pair, flank: Flank, cases: &[(f64, f64)]) -> Vec<[GearRoots; 2]> {
     // Under tip edges the arm is that about gear 1, which tells the gears apart.
     let settings = ContactSettings {
-        stations: 16,
         tip_corner_contact: false,
-        ..Default::default()
+        ..with_stations(16)
     };
     let solver = coarse_solver(pair, settings);
-    let models = models(pair);
+    let models = root_models(pair, Flank::Drive);
     let input = CycleInput {
         flank,
         torque: 100.0,
@@ -47,18 +32,14 @@ fn solve(pair: &Pair, flank: Flank, cases: &[(f64, f64)]) -> Vec<[GearRoots; 2]>
         misalignment: 0.0,
         positions: 8,
     };
-    let loads: Vec<LoadCase> = cases
-        .iter()
-        .map(|&(torque, misalignment)| LoadCase {
-            torque,
-            misalignment,
-        })
-        .collect();
-    let cycles = MeshCycle::solve_all(&solver, &input, &loads, &|_| ()).unwrap();
-    cycles
-        .iter()
-        .map(|cycle| cycle.root_stress(&solver, &input, &models).unwrap())
-        .collect()
+    let case = |&(torque, misalignment): &(f64, f64)| LoadCase {
+        torque,
+        misalignment,
+    };
+    let cases: Vec<LoadCase> = cases.iter().map(case).collect();
+    let cycles = MeshCycle::solve_all(&solver, &input, &cases, &|_| ()).unwrap();
+    let roots = |cycle: &MeshCycle| cycle.root_stress(&solver, &input, &models).unwrap();
+    cycles.iter().map(roots).collect()
 }
 
 #[test]
@@ -81,30 +62,18 @@ fn misalignment_moves_the_largest_stress_to_the_closing_side_whatever_hand_and_f
 fn equal_gears_see_the_same_stress_half_a_turn_apart_and_the_coast_flank_mirrors_it() {
     for helix in [0.0, 15.0] {
         let pair = pair(helix);
-        let [drive] = &solve(&pair, Flank::Drive, &[(100.0, 0.0)])[..] else {
-            panic!()
-        };
-        let [coast] = &solve(&pair, Flank::Coast, &[(100.0, 0.0)])[..] else {
-            panic!()
-        };
+        let [drive, coast] = [Flank::Drive, Flank::Coast]
+            .map(|flank| solve(&pair, flank, &[(100.0, 0.0)]).remove(0));
         let over = |gear: &GearRoots| gear.over_cycle(8, |tooth| Some(tooth.largest.stress));
-        let (first, second) = (over(&drive[0]), over(&drive[1]));
-        let mirrored = over(&coast[0]);
+        let (first, second, mirrored) = (over(&drive[0]), over(&drive[1]), over(&coast[0]));
         for i in 0..8 {
             // The pitch point of gear 1 at tau is that of gear 2 at -tau.
-            let other = second[(8 - i) % 8];
-            assert!(
-                (first[i] / other - 1.0).abs() < 1e-6,
-                "{first:?} {second:?}"
-            );
-            assert!(
-                (first[i] / mirrored[i] - 1.0).abs() < 1e-6,
-                "{first:?} {mirrored:?}"
-            );
+            assert_relative_eq!(first[i], second[(8 - i) % 8], max_relative = 1e-6);
+            assert_relative_eq!(first[i], mirrored[i], max_relative = 1e-6);
         }
         let (a, b) = (drive[0].largest().unwrap(), drive[1].largest().unwrap());
-        assert!((a.largest.stress / b.largest.stress - 1.0).abs() < 1e-3);
-        assert!((a.largest.radius - b.largest.radius).abs() < 1e-5);
+        assert_relative_eq!(a.largest.stress, b.largest.stress, max_relative = 1e-3);
+        assert_abs_diff_eq!(a.largest.radius, b.largest.radius, epsilon = 1e-5);
     }
 }
 
@@ -117,17 +86,11 @@ fn the_field_holds_the_largest_stress_and_no_load_leaves_none() {
     for (idle, loaded) in idle.iter().zip(loaded) {
         assert!(idle.largest().is_none() && idle.teeth.is_empty() && idle.field.is_empty());
         let stress = loaded.field.iter().flatten().map(|point| point.stress);
-        let (found, top) = (
-            stress.fold(0.0, f64::max),
-            loaded.largest().unwrap().largest.stress,
-        );
+        let (found, top) = (stress.fold(0.0, f64::max), loaded.largest().unwrap());
+        let top = top.largest.stress;
         // The largest is between the points.
         assert!(found <= top && found > 0.97 * top, "{found} {top}");
-        assert!(
-            loaded
-                .field
-                .windows(2)
-                .all(|rows| rows[0][0].z < rows[1][0].z)
-        );
+        let ascends = |rows: &[Vec<RootPoint>]| rows[0][0].z < rows[1][0].z;
+        assert!(loaded.field.windows(2).all(ascends));
     }
 }

@@ -30,17 +30,16 @@ fn even_line_load(pair: &Pair) -> Vec<Sliding> {
     let cos_beta_b = pair.geometry.base_helix_angle().cos();
     (0..200)
         .map(|i| {
-            let problem = solver
-                .position(Flank::Drive, (f64::from(i) + 0.5) / 200.0, 0.0)
-                .unwrap();
-            let forces: Vec<f64> = problem
-                .candidates()
-                .iter()
-                .map(|c| c.z[1] - c.z[0])
-                .collect();
+            let problem = solver.position(Flank::Drive, (f64::from(i) + 0.5) / 200.0, 0.0);
+            let problem = problem.unwrap();
+            let segments = problem.candidates().iter().map(|c| SegmentLoad {
+                force: c.z[1] - c.z[0],
+                ..SegmentLoad::default()
+            });
+            let segments: Vec<SegmentLoad> = segments.collect();
             let result = ContactResult {
-                loa_force: cos_beta_b * forces.iter().sum::<f64>(),
-                forces,
+                loa_force: cos_beta_b * segments.iter().map(|s| s.force).sum::<f64>(),
+                segments,
                 ..ContactResult::default()
             };
             solver.sliding(&problem, &result, &FrictionLaw::default())
@@ -60,10 +59,8 @@ fn loss_factors_of_rigid_teeth_are_those_of_another_program() {
     for (name, geometry, _, _, listed) in FZG.map(|data| data.pair()) {
         let sliding = even_line_load(&pair_of(geometry.clone()));
         let found = loss_factor_of(&geometry, Sliding::mean_distance(&sliding));
-        assert!(
-            (found / listed - 1.0).abs() < 6e-3,
-            "{name}: {found}, listed {listed}"
-        );
+        let error = found / listed - 1.0;
+        assert!(error.abs() < 6e-3, "{name}: {found}, listed {listed}");
         assert!(sliding.iter().all(|s| (s.weight - 1.0).abs() < 1e-12));
     }
 }
@@ -75,10 +72,8 @@ fn the_fzg_pair_loses_what_schlenks_coefficient_says() {
     let law = FrictionLaw::schlenk(13.28e-3, [0.4e-6, 0.31e-6], 0.846);
     let spin = 1500.0 * std::f64::consts::TAU / 60.0;
     let loss = Loss::new(&geometry, &law, [&sliding, &sliding], 200.0, spin);
-    assert!((loss.coefficient - 0.0449).abs() < 0.5e-4, "{loss:?}");
-    assert!((loss.power - 274.0).abs() < 1.0, "{loss:?}");
-    assert!(
-        (1.0 - loss.efficiency - 274.0 / (200.0 * spin)).abs() < 1e-4,
-        "{loss:?}"
-    );
+    assert_abs_diff_eq!(loss.coefficient, 0.0449, epsilon = 0.5e-4);
+    assert_abs_diff_eq!(loss.power, 274.0, epsilon = 1.0);
+    let part = 274.0 / (200.0 * spin);
+    assert_abs_diff_eq!(1.0 - loss.efficiency, part, epsilon = 1e-4);
 }

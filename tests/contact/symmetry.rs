@@ -34,81 +34,91 @@ pub(super) fn text(meshing: &str, helix_deg: f64, swap: bool) -> String {
     )
 }
 
-fn solve(text: &str, flank: Flank, tau: f64, loa_force: f64, misalignment: f64) -> ContactResult {
-    solve_with(true, text, flank, tau, loa_force, misalignment)
-}
-
-fn solve_with(
-    tip_corner_contact: bool,
-    text: &str,
-    flank: Flank,
-    tau: f64,
-    loa_force: f64,
-    misalignment: f64,
-) -> ContactResult {
-    let pair = pair::from_json(text).unwrap();
-    let settings = ContactSettings {
-        stations: 16,
-        tip_corner_contact,
-        ..Default::default()
-    };
-    let torque = loa_force * pair.geometry.gears[0].base_radius();
-    coarse_solver(&pair, settings)
-        .position(flank, tau, 20e-6)
-        .unwrap()
-        .solve_torque(torque, misalignment, None)
-        .unwrap()
-}
-
-fn assert_same(a: &ContactResult, b: &ContactResult, z_b: f64, what: &str) {
-    let scale = 1e-9 * a.approach.abs().max(1e-6);
-    assert!(
-        (a.approach - b.approach).abs() < scale,
-        "{what}: {} {}",
-        a.approach,
-        b.approach
-    );
-    assert!(
-        (a.contact_z - z_b).abs() < 1e-9,
-        "{what}: {} {z_b}",
-        a.contact_z
-    );
-    assert!(
-        (a.max_pressure / b.max_pressure - 1.0).abs() < 1e-7,
-        "{what}"
-    );
-}
-
+/// Mesh position, force on the line of action in N and misalignment in rad.
 const CASES: [(f64, f64, f64); 3] = [
     (0.1, 3000.0, 0.4e-3),
     (0.55, 8000.0, -0.7e-3),
     (0.9, 800.0, 0.0),
 ];
 
+struct Mesh<'a> {
+    text: &'a str,
+    flank: Flank,
+    tip_corner_contact: bool,
+}
+
+impl Mesh<'_> {
+    fn solve(&self, tau: f64, loa_force: f64, misalignment: f64) -> ContactResult {
+        let pair = pair::from_json(self.text).unwrap();
+        let settings = ContactSettings {
+            tip_corner_contact: self.tip_corner_contact,
+            ..with_stations(16)
+        };
+        let problem = coarse_solver(&pair, settings).position(self.flank, tau, 20e-6);
+        let torque = loa_force * pair.geometry.gears[0].base_radius();
+        let result = problem.unwrap().solve_torque(torque, misalignment, None);
+        result.unwrap()
+    }
+}
+
+fn drive(text: &str) -> Mesh<'_> {
+    Mesh {
+        text,
+        flank: Flank::Drive,
+        tip_corner_contact: true,
+    }
+}
+
+fn coast(text: &str) -> Mesh<'_> {
+    Mesh {
+        flank: Flank::Coast,
+        ..drive(text)
+    }
+}
+
+fn assert_same(a: &ContactResult, b: &ContactResult, z_b: f64) {
+    assert_abs_diff_eq!(
+        a.approach,
+        b.approach,
+        epsilon = 1e-9 * a.approach.abs().max(1e-6)
+    );
+    assert_abs_diff_eq!(a.contact_z, z_b, epsilon = 1e-9);
+    assert_relative_eq!(a.max_pressure, b.max_pressure, max_relative = 1e-7);
+}
+
 #[test]
 fn contact_on_the_path_does_not_depend_on_which_gear_is_numbered_1() {
     // On a tip edge it does: there the ratio of the torques is not that of the base radii, and the torque given
-    // is the one on gear 1.
-    let solve = |text: &str, flank, tau, force, m| solve_with(false, text, flank, tau, force, m);
-    for (tau, force, m) in CASES {
-        let a = solve(&text("external", 15.0, false), Flank::Drive, tau, force, m);
-        let b = solve(&text("external", -15.0, true), Flank::Drive, -tau, force, m);
-        assert_same(&a, &b, b.contact_z, "external");
-        // An internal pair presses the ring in the sense in which it turns: the flank changes its name.
-        let a = solve(&text("internal", 15.0, false), Flank::Drive, tau, force, m);
-        let b = solve(&text("internal", 15.0, true), Flank::Coast, -tau, force, m);
-        assert_same(&a, &b, b.contact_z, "internal");
+    // is the one on gear 1. An internal pair presses the ring in the sense in which it turns: the flank changes its name.
+    let cases = [
+        ("external", -15.0, Flank::Drive),
+        ("internal", 15.0, Flank::Coast),
+    ];
+    for (meshing, swapped_helix, flank) in cases {
+        let [first, second] =
+            [(15.0, false), (swapped_helix, true)].map(|(helix, swap)| text(meshing, helix, swap));
+        let on_path = |text, flank| Mesh {
+            text,
+            flank,
+            tip_corner_contact: false,
+        };
+        for (tau, force, m) in CASES {
+            let a = on_path(&first, Flank::Drive).solve(tau, force, m);
+            let b = on_path(&second, flank).solve(-tau, force, m);
+            assert_same(&a, &b, b.contact_z);
+        }
     }
 }
 
 #[test]
 fn a_left_handed_pair_is_the_mirror_image_of_a_right_handed_one() {
     for meshing in ["external", "internal"] {
+        // The mirror contains the axes: it turns over hand and flank and keeps z.
+        let [right, left] = [15.0, -15.0].map(|helix| text(meshing, helix, false));
         for (tau, force, m) in CASES {
-            // The mirror contains the axes: it turns over hand and flank and keeps z.
-            let a = solve(&text(meshing, 15.0, false), Flank::Drive, tau, force, m);
-            let b = solve(&text(meshing, -15.0, false), Flank::Coast, tau, force, m);
-            assert_same(&a, &b, b.contact_z, meshing);
+            let a = drive(&right).solve(tau, force, m);
+            let b = coast(&left).solve(tau, force, m);
+            assert_same(&a, &b, b.contact_z);
         }
     }
 }
@@ -121,9 +131,9 @@ fn without_lead_slope_the_coast_flank_is_the_drive_flank_seen_from_the_other_end
             .replace(r#""lead_slope_um": -1"#, r#""lead_slope_um": 0"#);
         assert!(pair::from_json(&symmetric).unwrap().coast_mirrors_drive());
         for (tau, force, m) in CASES {
-            let a = solve(&symmetric, Flank::Drive, tau, force, m);
-            let b = solve(&symmetric, Flank::Coast, tau, force, -m);
-            assert_same(&a, &b, 18e-3 - b.contact_z, meshing);
+            let a = drive(&symmetric).solve(tau, force, m);
+            let b = coast(&symmetric).solve(tau, force, -m);
+            assert_same(&a, &b, 18e-3 - b.contact_z);
         }
     }
 }
@@ -132,13 +142,10 @@ fn without_lead_slope_the_coast_flank_is_the_drive_flank_seen_from_the_other_end
 fn a_spur_pair_is_its_own_mirror_image_under_misalignment() {
     let width = pair::from_json(SPUR).unwrap().geometry.face_overlap().1;
     for (tau, force, _) in CASES {
-        let a = solve(SPUR, Flank::Drive, tau, force, 0.5e-3);
-        let b = solve(SPUR, Flank::Drive, tau, force, -0.5e-3);
-        assert_same(&a, &b, width - b.contact_z, "spur");
-        assert!(
-            a.contact_z > 0.5 * width,
-            "M > 0 closes the side of larger z"
-        );
+        let [a, b] = [0.5e-3, -0.5e-3].map(|m| drive(SPUR).solve(tau, force, m));
+        assert_same(&a, &b, width - b.contact_z);
+        // M > 0 closes the side of larger z.
+        assert!(a.contact_z > 0.5 * width);
     }
 }
 
@@ -146,8 +153,7 @@ fn a_spur_pair_is_its_own_mirror_image_under_misalignment() {
 fn positions_one_base_pitch_apart_are_the_same() {
     let pair = text("external", 15.0, false);
     for (tau, force, m) in CASES {
-        let a = solve(&pair, Flank::Drive, tau, force, m);
-        let b = solve(&pair, Flank::Drive, tau + 7.0, force, m);
-        assert_same(&a, &b, b.contact_z, "pitch");
+        let [a, b] = [tau, tau + 7.0].map(|tau| drive(&pair).solve(tau, force, m));
+        assert_same(&a, &b, b.contact_z);
     }
 }

@@ -2,57 +2,23 @@
 
 use super::*;
 use gearmesh::compliance::Segment;
-use gearmesh::gear::{
-    Microgeometry, OwnFlank, PairTeeth, Runout, ToothErrors, Topography, WeakTooth,
-};
-use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
+use gearmesh::gear::{Microgeometry, OwnFlank, Runout, Topography, WeakTooth};
 use std::f64::consts::TAU;
 
-/// A pair, its solver on coarse finite elements and what its drive flank is condensed to.
-struct Ready {
-    pair: Pair,
-    solver: ContactSolver,
-    condensed: Arc<CondensedFlank>,
+fn ready(text: &str) -> Ready {
+    Ready::new(text, Flank::Drive, |pair| {
+        coarse_solver(pair, with_stations(12))
+    })
 }
 
 impl Ready {
-    fn new(text: &str) -> Ready {
-        let pair = pair::from_json(text).unwrap();
-        let solver = coarse_solver(&pair, with_stations(12));
-        let [low, high] = pair.operating.center_distance_offset;
-        let offsets = [low, 0.5 * (low + high), high];
-        let condensed = condensed_flank(&solver, Flank::Drive, &offsets).unwrap();
-        Ready {
-            pair,
-            solver,
-            condensed: Arc::new(condensed),
-        }
-    }
-
-    /// Its contact with the tooth errors of gear 1 and gear 2 on the drive flank.
-    fn contact(&self, drive: [ToothErrors; 2]) -> RuntimeContact {
-        let setup = ContactSetup {
-            teeth: PairTeeth {
-                drive,
-                ..PairTeeth::default()
-            },
-            ..self.solver.setup().clone()
-        };
-        RuntimeContact::new(Arc::new(setup), self.condensed.clone(), Flank::Drive)
-    }
-
-    fn alike(&self) -> RuntimeContact {
-        self.contact(Default::default())
-    }
-
     /// What the tooth errors of `contact` add to the transmission error over a turn of gear 1, m, at `steps` positions of each
     /// mesh cycle.
     fn added(&self, contact: &RuntimeContact, steps: usize) -> Vec<f64> {
         let (all, force) = (self.alike(), self.force());
         let place = |i: usize| i as f64 / steps as f64;
-        let alike: Vec<f64> = (0..steps)
-            .map(|i| transmission_error(&all, force, place(i), 0))
-            .collect();
+        let alike = |i: usize| transmission_error(&all, force, place(i), 0);
+        let alike: Vec<f64> = (0..steps).map(alike).collect();
         let cycles = i64::from(self.pair.geometry.gears[0].teeth);
         let positions = (0..cycles).flat_map(|cycle| (0..steps).map(move |i| (cycle, i)));
         positions
@@ -69,8 +35,13 @@ impl Ready {
     }
 }
 
-fn ask(contact: &RuntimeContact, at: [f64; 4], counts: [i64; 2]) -> ContactPotential {
-    contact.potential(at, counts, &mut Warm::default()).unwrap()
+/// Loads within `tolerance` of those of `known`, each over its size or a thousandth of the force.
+fn assert_loads(found: &ContactPotential, known: &ContactPotential, tolerance: f64) {
+    for k in 0..4 {
+        let scale = known.gradient[k].abs() + 1e-3 * known.gradient[0];
+        let error = (found.gradient[k] - known.gradient[k]).abs();
+        assert!(error < tolerance * scale, "{k}: {found:?} {known:?}");
+    }
 }
 
 /// Approach under `force` at the mesh position `tau` of the mesh cycle `cycle`.
@@ -79,24 +50,19 @@ fn transmission_error(contact: &RuntimeContact, force: f64, tau: f64, cycle: i64
     let (mut low, mut high) = (-1e-4, 3e-4);
     let mut approach = 3e-5;
     for _ in 0..100 {
-        let found = contact
-            .potential([approach, 0.0, 0.0, tau], [cycle; 2], &mut warm)
-            .unwrap();
+        let found = contact.potential([approach, 0.0, 0.0, tau], [cycle; 2], &mut warm);
+        let found = found.unwrap();
         let missing = force - found.gradient[0];
         if missing.abs() <= 1e-10 * force {
             return approach;
         }
-        if missing > 0.0 {
-            low = approach;
-        } else {
-            high = approach;
+        match missing > 0.0 {
+            true => low = approach,
+            false => high = approach,
         }
         let newton = approach + missing / found.tangent.force_by_approach;
-        approach = if low < newton && newton < high {
-            newton
-        } else {
-            0.5 * (low + high)
-        };
+        let inside = low < newton && newton < high;
+        approach = if inside { newton } else { 0.5 * (low + high) };
     }
     panic!("no approach for {force} N");
 }
@@ -130,25 +96,15 @@ fn amplitude(signal: &[f64], order: usize) -> f64 {
 /// All other teeth stand back farther than the one that carries gives way: its root is under the whole load.
 #[test]
 fn a_tooth_that_carries_alone_has_the_root_stress_of_the_whole_load() {
-    let mut ready = Ready::new(SPUR);
-    let elastic = Settings::for_pair(&ready.pair);
-    let models = pair_root_stress(
-        &ready.pair.geometry,
-        Flank::Drive,
-        &elastic,
-        None,
-        &|_, _, _| true,
-    );
-    let models = models.unwrap().map(|(model, _)| model);
+    let mut ready = ready(SPUR);
+    let models = root_models(&ready.pair, Flank::Drive);
     let roots = condensed_roots(&ready.solver, Flank::Drive, &models).unwrap();
     Arc::make_mut(&mut ready.condensed).roots = Some(roots);
     let mut back = vec![-100e-6; ready.pair.geometry.gears[0].teeth as usize];
     back[0] = 0.0;
-    let (contact, force) = (
-        ready.contact([index(back), ToothErrors::default()]),
-        ready.force(),
-    );
+    let contact = ready.with_errors([index(back), ToothErrors::default()]);
     let (contact, alike) = (contact.with_root_stress(), ready.alike().with_root_stress());
+    let force = ready.force();
     for tau in [0.02, 0.1, 0.3, 0.6] {
         let stress = |contact: &RuntimeContact| {
             let approach = transmission_error(contact, force, tau, 0);
@@ -167,17 +123,10 @@ fn a_tooth_that_carries_alone_has_the_root_stress_of_the_whole_load() {
                 z: [0.0, gear.face_width],
                 roll: [candidate.roll[i]; 2],
             };
-            assert!(
-                share.contains(&(shared[i] / alone[i])),
-                "{tau}: {shared:?} {alone:?}"
-            );
+            let part = shared[i] / alone[i];
+            assert!(share.contains(&part), "{tau}: {shared:?} {alone:?}");
             let field = models[i].of_tooth(0, &[(whole, force)]).unwrap();
-            let known = field.largest().stress;
-            assert!(
-                (alone[i] / known - 1.0).abs() < 0.03,
-                "{tau}: {} {known}",
-                alone[i]
-            );
+            assert_relative_eq!(alone[i], field.largest().stress, max_relative = 0.03);
         }
     }
 }
@@ -185,11 +134,11 @@ fn a_tooth_that_carries_alone_has_the_root_stress_of_the_whole_load() {
 #[test]
 fn a_gear_whose_teeth_all_stand_out_alike_is_one_turned_ahead() {
     // Around the pitch point of a relieved spur pair, where no tip edge bears, whose arm is another.
-    let ready = Ready::new(SPUR);
+    let ready = ready(SPUR);
     let approach = 0.5 * ready.approach();
     let alike = ready.alike();
     for gears in [[4e-6, 0.0], [0.0, 4e-6]] {
-        let contact = ready.contact([0, 1].map(|i| {
+        let contact = ready.with_errors([0, 1].map(|i| {
             let teeth = ready.pair.geometry.gears[i].teeth as usize;
             index(vec![gears[i]; teeth])
         }));
@@ -197,50 +146,26 @@ fn a_gear_whose_teeth_all_stand_out_alike_is_one_turned_ahead() {
             let at = [approach, 2e-5, 1e-4, tau];
             let ahead = [approach + 4e-6, 2e-5, 1e-4, tau];
             let [here, there] = [ask(&contact, at, [3, 5]), ask(&alike, ahead, [0; 2])];
-            for k in 0..4 {
-                let scale = there.gradient[k].abs() + 1e-3 * there.gradient[0];
-                let error = (here.gradient[k] - there.gradient[k]).abs();
-                assert!(error < 1e-8 * scale, "{k}: {here:?} {there:?}");
-            }
+            assert_loads(&here, &there, 1e-8);
         }
-    }
-}
-
-/// The gradient of the potential `potential` at `at` against differences of its energy.
-fn assert_loads_are_slopes(potential: impl Fn([f64; 4]) -> ContactPotential, at: [f64; 4]) {
-    let here = potential(at);
-    // Force times a tenth of the approach, over the step.
-    let work = here.gradient[0] * at[0].abs();
-    for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
-        let side = |h: f64| {
-            let mut x = at;
-            x[k] += h * step;
-            potential(x).energy
-        };
-        let slope = (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
-        let error = (slope - here.gradient[k]).abs();
-        let bound = 1e-5 * here.gradient[k].abs() + 1e-9 * work / step;
-        assert!(error <= bound, "{k}: {slope} {}", here.gradient[k]);
     }
 }
 
 #[test]
 fn loads_on_unequal_teeth_are_the_gradient_of_one_potential() {
     for text in [PAPER, SPUR, RING] {
-        let ready = Ready::new(text);
+        let ready = ready(text);
         let mut random = Random::new(77);
         let drive = [0, 1].map(|i| {
             let z = ready.pair.geometry.gears[i].teeth;
+            let weak = |tooth| WeakTooth { tooth, factor: 2.0 };
             ToothErrors {
-                weak: (0..z)
-                    .step_by(2)
-                    .map(|tooth| WeakTooth { tooth, factor: 2.0 })
-                    .collect(),
+                weak: (0..z).step_by(2).map(weak).collect(),
                 index: (0..z).map(|_| random.within([-4e-6, 4e-6])).collect(),
                 ..runout(10e-6, 1.0)
             }
         });
-        let contact = ready.contact(drive);
+        let contact = ready.with_errors(drive);
         let approach = ready.approach();
         for cycle in 0..6 {
             let at = [
@@ -249,39 +174,47 @@ fn loads_on_unequal_teeth_are_the_gradient_of_one_potential() {
                 random.within([-2e-4, 2e-4]),
                 random.within([0.1, 0.9]),
             ];
-            let counts = [cycle, cycle + 3];
-            let here = ask(&contact, at, counts);
-            assert!(here.gradient[0] > 0.0);
-            assert_loads_are_slopes(|x| ask(&contact, x, counts), at);
+            let potential = |at| ask(&contact, at, [cycle, cycle + 3]);
+            let gradient = potential(at).gradient;
+            assert!(gradient[0] > 0.0);
+            // Force times a tenth of the approach, over the step.
+            let work = gradient[0] * at[0].abs();
+            for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
+                let side = |h: f64| {
+                    let mut x = at;
+                    x[k] += h * step;
+                    potential(x).energy
+                };
+                let slope =
+                    (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
+                let bound = 1e-5 * gradient[k].abs() + 1e-9 * work / step;
+                assert_abs_diff_eq!(slope, gradient[k], epsilon = bound);
+            }
         }
     }
 }
 
 #[test]
 fn one_mesh_cycle_follows_on_the_other() {
-    let ready = Ready::new(PAPER);
+    let ready = ready(PAPER);
     let errors = (0..20).map(|j| 3e-6 * f64::from(j % 3)).collect();
-    let contact = ready.contact([index(errors), runout(20e-6, 0.5)]);
+    let contact = ready.with_errors([index(errors), runout(20e-6, 0.5)]);
     let approach = ready.approach();
     for cycle in [0, 4, 19] {
         let at = |tau| ask(&contact, [approach, 0.0, 0.0, tau], [cycle; 2]);
         let end = at(1.0 - 1e-12);
         let next = ask(&contact, [approach, 0.0, 0.0, 0.0], [cycle + 1; 2]);
+        assert_loads(&next, &end, 1e-7);
         // Counted on from a position beyond the cycle, too.
-        let same = at(1.0);
-        for k in 0..4 {
-            let scale = 1e-7 * (end.gradient[k].abs() + 1e-3 * end.gradient[0]);
-            assert!((end.gradient[k] - next.gradient[k]).abs() < scale);
-            assert_eq!(same.gradient[k], next.gradient[k]);
-        }
+        assert_eq!(at(1.0).gradient, next.gradient);
     }
 }
 
 #[test]
 fn run_out_adds_its_eccentricity_at_the_shaft_order_and_leaves_the_mesh_orders() {
-    let ready = Ready::new(PAPER);
+    let ready = ready(PAPER);
     let (z, steps) = (20usize, 8usize);
-    let contact = ready.contact([runout(14e-6, 0.7), ToothErrors::default()]);
+    let contact = ready.with_errors([runout(14e-6, 0.7), ToothErrors::default()]);
     let added = ready.added(&contact, steps);
     for order in 0..=2 * z {
         let expected = if order == 1 { 7e-6 } else { 0.0 };
@@ -296,66 +229,48 @@ fn run_out_adds_its_eccentricity_at_the_shaft_order_and_leaves_the_mesh_orders()
 /// stiffness.
 #[test]
 fn a_wave_of_index_errors_has_the_sidebands_of_the_share_of_the_load() {
-    let ready = Ready::new(PAPER);
+    let ready = ready(PAPER);
     let (z, steps, wave) = (20usize, 16usize, 0.05e-6);
     let errors = (0..z)
         .map(|j| wave * (TAU * j as f64 / z as f64).sin())
         .collect();
-    let contact = ready.contact([index(errors), ToothErrors::default()]);
+    let contact = ready.with_errors([index(errors), ToothErrors::default()]);
     let torque = ready.pair.operating.nominal_torque;
     let mut share = vec![];
     for i in 0..steps {
         let tau = i as f64 / steps as f64;
         let problem = ready.solver.position(Flank::Drive, tau, 0.0).unwrap();
         let result = problem.solve_torque(torque, 0.0, None).unwrap();
-        share.extend(
-            result
-                .load_share
-                .iter()
-                .map(|(k, part)| (tau + f64::from(*k), *part)),
-        );
+        let shares = result.load_share.iter();
+        share.extend(shares.map(|(k, part)| (tau + f64::from(*k), *part)));
     }
     let added = ready.added(&contact, steps);
-    let amplitude = |order: usize| amplitude(&added, order);
     // The share over the way of one tooth pair, transformed.
     let window = |order: f64| {
         let part = |f: fn(f64) -> f64| -> f64 {
-            let terms = share.iter();
-            terms
-                .map(|(x, part)| part * f(TAU * order * x) / steps as f64)
-                .sum()
+            let terms = share.iter().map(|(x, part)| part * f(TAU * order * x));
+            terms.sum::<f64>() / steps as f64
         };
         part(f64::cos).hypot(part(f64::sin))
     };
     for order in [1, z - 1, z + 1] {
         let expected = wave * window(order as f64 / z as f64);
-        let found = amplitude(order);
-        println!("order {order}: {found:.3e} m, by the share {expected:.3e} m");
-        assert!(
-            (found - expected).abs() < 0.05 * wave,
-            "{order}: {found} {expected}"
-        );
+        assert_abs_diff_eq!(amplitude(&added, order), expected, epsilon = 0.05 * wave);
     }
     for order in [0, 2, z / 2, z, 2 * z] {
-        assert!(
-            amplitude(order) < 0.01 * wave,
-            "{order}: {}",
-            amplitude(order)
-        );
+        assert_abs_diff_eq!(amplitude(&added, order), 0.0, epsilon = 0.01 * wave);
     }
 }
 
 #[test]
 fn a_weak_tooth_yields_more_while_it_carries() {
-    let ready = Ready::new(SPUR);
+    let ready = ready(SPUR);
+    let (tooth, factor) = (3, 1.5);
     let weak = ToothErrors {
-        weak: vec![WeakTooth {
-            tooth: 3,
-            factor: 1.5,
-        }],
+        weak: vec![WeakTooth { tooth, factor }],
         ..ToothErrors::default()
     };
-    let contact = ready.contact([weak, ToothErrors::default()]);
+    let contact = ready.with_errors([weak, ToothErrors::default()]);
     let z = i64::from(ready.pair.geometry.gears[0].teeth);
     let alike = transmission_error(&ready.alike(), ready.force(), 0.0, 0);
     // At the pitch point one tooth pair of a spur gear carries all: tooth 0 in cycle 0, tooth -n in cycle n.
@@ -375,7 +290,7 @@ fn a_weak_tooth_yields_more_while_it_carries() {
 
 #[test]
 fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
-    let ready = Ready::new(PAPER);
+    let ready = ready(PAPER);
     let (approach, removal) = (ready.approach(), 2e-6);
     let g = &ready.pair.geometry;
     let nominal = &ready.pair.microgeometry.drive[1];
@@ -394,74 +309,15 @@ fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
     };
     let mut errors = vec![0.0; 20];
     errors[2] = -removal / g.base_helix_angle().cos();
-    let own = ready.contact([ToothErrors::default(), own]);
-    let shifted = ready.contact([ToothErrors::default(), index(errors)]);
+    let own = ready.with_errors([ToothErrors::default(), own]);
+    let shifted = ready.with_errors([ToothErrors::default(), index(errors)]);
     let mut differ = 0;
     for cycle in 0..20 {
         let at = [approach, 1e-5, 1e-4, 0.4];
         let [a, b] = [&own, &shifted].map(|contact| ask(contact, at, [cycle; 2]));
-        for k in 0..4 {
-            let scale = b.gradient[k].abs() + 1e-3 * b.gradient[0];
-            assert!(
-                (a.gradient[k] - b.gradient[k]).abs() < 1e-5 * scale,
-                "{k}: {a:?} {b:?}"
-            );
-        }
+        assert_loads(&a, &b, 1e-5);
         let alike = ask(&ready.alike(), at, [0; 2]);
         differ += usize::from((a.gradient[0] / alike.gradient[0] - 1.0).abs() > 1e-3);
     }
     assert!((1..=4).contains(&differ), "{differ}");
-}
-
-#[test]
-fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
-    let ready = Ready::new(PAPER);
-    assert!(ready.pair.coast_mirrors_drive());
-    let equal = contact_file(&ready.pair, &ready.solver).unwrap();
-    assert!(equal.coast.is_none());
-    let mut pair = ready.pair.clone();
-    pair.teeth.coast[1] = runout(14e-6, 0.7);
-    let file = contact_file(&pair, &ready.solver).unwrap();
-    assert_eq!(file.setup.teeth, pair.teeth);
-    let read = ContactFile::from_bytes(&file.to_bytes()).unwrap();
-    assert_eq!(read, file);
-    type Spoil = fn(&mut ContactSetup);
-    let spoilt: [(Spoil, &str); 4] = [
-        (|setup| setup.settings.stations -= 1, "stations of a flank"),
-        (|setup| setup.settings.stations = 0, "0 stations of"),
-        (
-            |setup| setup.teeth.drive[0].index = vec![1e-6; 3],
-            "3 index errors of",
-        ),
-        (
-            |setup| setup.geometry.gears[1].tip_radius = 1e6,
-            "stations of",
-        ),
-    ];
-    for (spoil, reason) in spoilt {
-        let mut other = file.clone();
-        spoil(Arc::make_mut(&mut other.setup));
-        let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
-        assert!(refused.contains(reason), "{refused}");
-    }
-    // Nodes that do not hold the segments of a pose say so.
-    let mut few = file.clone();
-    let drive = Arc::make_mut(&mut few.drive);
-    drive.first_pair += 50;
-    let few = ContactFile::from_bytes(&few.to_bytes()).unwrap();
-    assert!(
-        ask(
-            &few.flank(Flank::Drive).unwrap(),
-            [2e-5, 0.0, 0.0, 0.3],
-            [0; 2]
-        )
-        .out_of_range
-    );
-    // The drive flank's teeth are alike, those of the coast flank are not.
-    let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
-        let contact = read.flank(flank).unwrap();
-        [0, 5].map(|cycle| ask(&contact, [2e-5, 0.0, 0.0, 0.3], [cycle; 2]).gradient[0])
-    });
-    assert_eq!(drive[0], drive[1]);
-    assert_ne!(coast[0], coast[1]);
 }

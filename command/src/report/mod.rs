@@ -329,10 +329,7 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
         cycle: MeshCycle {
             results: mesh_position.iter().map(result).collect(),
             mesh_position,
-            sliding: vec![],
-            friction: vec![],
-            loads: vec![],
-            solve_seconds: 0.0,
+            ..MeshCycle::default()
         },
         face_load: FaceLoad::default(),
         roots: None,

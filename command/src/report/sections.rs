@@ -188,7 +188,7 @@ fn patterns(
             let along_profile = [-half_step, half_step].map(|step| diameter(s.roll[i] + step));
             Patch::new([s.z.map(|z| 1e3 * z), along_profile], value(s))
         };
-        let segments = case.cycle.loads.iter().flatten();
+        let segments = (case.cycle.results.iter()).flat_map(|result| &result.segments);
         let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
         let mut ends = [path.start, path.end].map(|xi| diameter(geometry.roll_at(i, c, xi)));
         ends.sort_by(f64::total_cmp);
@@ -245,7 +245,11 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
 fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
     let i = (tau * case.input.positions as f64) as usize;
     let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
-    let segments: Vec<&SegmentLoad> = case.cycle.loads[i].iter().filter(inside).collect();
+    let segments: Vec<&SegmentLoad> = case.cycle.results[i]
+        .segments
+        .iter()
+        .filter(inside)
+        .collect();
     let curve = |segments: &[&SegmentLoad]| {
         let point = |s: &&SegmentLoad| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6);
         let points = segments.iter().map(point);

@@ -168,7 +168,12 @@ fn stiffness<'r>(geometry: &PairGeometry) -> Vec<Column<'static, At<'r>>> {
 type AtSegment<'a> = (At<'a>, &'a SegmentLoad);
 
 fn segments(case: &Case) -> impl Iterator<Item = AtSegment<'_>> {
-    at_positions(case).flat_map(|at| case.cycle.loads[at.0].iter().map(move |s| (at, s)))
+    at_positions(case).flat_map(|at| {
+        case.cycle.results[at.0]
+            .segments
+            .iter()
+            .map(move |s| (at, s))
+    })
 }
 
 fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<'r>>> {

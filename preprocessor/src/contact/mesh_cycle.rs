@@ -30,7 +30,7 @@ pub struct CycleInput {
 }
 
 /// One mesh cycle.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshCycle {
     /// Mesh positions i / N, base pitches.
     pub mesh_position: Vec<f64>,
@@ -40,18 +40,8 @@ pub struct MeshCycle {
     pub sliding: Vec<Sliding>,
     /// The same with the weights of the pair's law of friction.
     pub friction: Vec<Sliding>,
-    /// What every segment carries at each.
-    pub loads: Vec<Vec<SegmentLoad>>,
     /// Wall clock of the whole cycle, s; of cycles that were solved together their mean.
     pub solve_seconds: f64,
-}
-
-/// One load at one position.
-struct Solved {
-    result: ContactResult,
-    loads: Vec<SegmentLoad>,
-    sliding: Sliding,
-    friction: Sliding,
 }
 
 /// A load at which a mesh cycle is asked for.
@@ -110,28 +100,29 @@ impl MeshCycle {
                     let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                     progress(count as f64 / (n * cases.len()) as f64);
                 }
-                let solved = results.into_iter().map(|result| Solved {
-                    loads: at.segment_loads(&result),
-                    sliding: solver.sliding(&at, &result, &even),
-                    friction: solver.sliding(&at, &result, &solver.friction()),
-                    result,
+                let solved = results.into_iter().map(|result| {
+                    let sliding = solver.sliding(&at, &result, &even);
+                    let friction = solver.sliding(&at, &result, &solver.friction());
+                    (result, sliding, friction)
                 });
                 Ok(solved.collect())
             })
             .collect::<Result<Vec<Vec<_>>, ContactError>>()?;
         let solve_seconds = begin.elapsed().as_secs_f64() / cases.len().max(1) as f64;
-        let cycle = |case: usize| {
-            let solved = || solved.iter().map(move |position| &position[case]);
-            MeshCycle {
-                mesh_position: mesh_position.clone(),
-                results: solved().map(|s| s.result.clone()).collect(),
-                sliding: solved().map(|s| s.sliding).collect(),
-                friction: solved().map(|s| s.friction).collect(),
-                loads: solved().map(|s| s.loads.clone()).collect(),
-                solve_seconds,
-            }
+        let cycle = |_: &LoadCase| MeshCycle {
+            mesh_position: mesh_position.clone(),
+            solve_seconds,
+            ..MeshCycle::default()
         };
-        Ok((0..cases.len()).map(cycle).collect())
+        let mut cycles: Vec<MeshCycle> = cases.iter().map(cycle).collect();
+        for position in solved {
+            for (cycle, (result, sliding, friction)) in cycles.iter_mut().zip(position) {
+                cycle.results.push(result);
+                cycle.sliding.push(sliding);
+                cycle.friction.push(friction);
+            }
+        }
+        Ok(cycles)
     }
 
     /// STE at each position, m on the line of action at mid-face.
@@ -151,11 +142,6 @@ impl MeshCycle {
         ste.into_iter().fold(f64::NEG_INFINITY, f64::max) - lowest
     }
 
-    /// Mean of z_c, m in gear 1's frame.
-    pub fn mean_contact_z(&self) -> f64 {
-        self.results.iter().map(|r| r.contact_z).sum::<f64>() / self.results.len() as f64
-    }
-
     /// Largest Hertz pressure of the cycle inside the flanks, Pa.
     pub fn max_pressure(&self) -> f64 {
         let pressures = self.results.iter().map(|r| r.max_pressure);
@@ -164,8 +150,8 @@ impl MeshCycle {
 
     /// Largest line load of the cycle at a tip edge, if contact reaches one.
     pub fn edge_load(&self) -> Option<EdgeLoad> {
-        let loads = self.results.iter().filter_map(|r| r.edge_load);
-        loads.reduce(|a, b| if b.line_load > a.line_load { b } else { a })
+        let loads = self.results.iter().map(|r| r.edge_load);
+        loads.fold(None, EdgeLoad::larger)
     }
 
     /// What rests on fewer than [`ENOUGH_SEGMENTS`] loaded segments of a contact line, and comes out too low for it; None where nothing does.
@@ -179,7 +165,8 @@ impl MeshCycle {
             (pressure as Quantity, "the largest flank pressure"),
             (edge, "the largest line load at a tip edge"),
         ] {
-            let all = (self.loads.iter()).flat_map(|line| line.iter().map(move |top| (line, top)));
+            let lines = self.results.iter().map(|result| &result.segments);
+            let all = lines.flat_map(|line| line.iter().map(move |top| (line, top)));
             let top = all.max_by(|a, b| value(a.1).total_cmp(&value(b.1)));
             let Some((segments, top)) = top.filter(|(_, top)| value(top) > 0.0) else {
                 continue;
@@ -235,12 +222,12 @@ impl MeshCycle {
         let stations = solver.settings().stations;
         let step = (ends[1] - ends[0]) / stations as f64;
         let mut load = vec![0.0; stations];
-        for segment in self.loads.iter().flatten() {
+        for segment in self.results.iter().flat_map(|result| &result.segments) {
             let middle = 0.5 * (segment.z[0] + segment.z[1]);
             let station = (middle - ends[0]) / step;
             load[(station as usize).min(stations - 1)] += segment.force * cos_base_helix;
         }
-        let per_width = step * self.loads.len() as f64;
+        let per_width = step * self.results.len() as f64;
         load.iter_mut().for_each(|load| *load /= per_width);
         let middle = |i| ends[0] + step * (i as f64 + 0.5);
         let z = (0..stations).map(middle).collect();

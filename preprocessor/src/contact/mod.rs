@@ -1,11 +1,86 @@
-//! What static contact says over a mesh cycle, in the tooth roots, and condensed for a solve at run time.
+//! What static contact says over a mesh cycle and in the tooth roots, and the elastic models of a pair condensed to what a solve at
+//! run time needs.
 
-mod condense;
 mod mesh_cycle;
 mod root_stress;
 
-pub use condense::{condensed_flank, condensed_roots, contact_file};
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::finite_element::RootStress;
+use gearmesh::contact::{
+    CondensedFlank, CondensedRoots, ContactError, ContactFile, ContactSetup, ContactSolver,
+};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+
 pub use mesh_cycle::{
     CycleInput, ENOUGH_SEGMENTS, FaceLoad, HARMONICS, Harmonic, LoadCase, MeshCycle, harmonics,
 };
 pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
+
+/// The contact of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m).
+///
+/// # Errors
+/// As [`ContactSolver::position`].
+pub fn condensed_flank(
+    solver: &ContactSolver,
+    flank: Flank,
+    offsets: &[f64],
+) -> Result<CondensedFlank, ContactError> {
+    let nodes = CondensedFlank::grid(offsets)
+        .into_par_iter()
+        .map(|place| solver.node(flank, place))
+        .collect::<Result<Vec<_>, _>>()?;
+    CondensedFlank::from_nodes(solver, flank, offsets, &nodes)
+}
+
+/// What `models` of gear 1 and gear 2 give of the stress in the tooth roots at run time, by loads on the stations of `solver` on
+/// `flank`.
+///
+/// # Errors
+/// As [`ContactSolver::stations`].
+pub fn condensed_roots(
+    solver: &ContactSolver,
+    flank: Flank,
+    models: &[Arc<RootStress>; 2],
+) -> Result<[CondensedRoots; 2], ContactError> {
+    let stations = solver.stations(flank)?;
+    Ok([0, 1].map(|i| {
+        let seen: Vec<_> = stations.iter().map(|station| station[i]).collect();
+        models[i].condensed(&seen)
+    }))
+}
+
+/// The contact of `pair` with the elastic models of `solver`, its condensed models at the middle and the ends
+/// of the range of centre distances.
+///
+/// # Errors
+/// As [`condensed_flank`]; a pair whose tip corners are not followed.
+pub fn contact_file(pair: &Pair, solver: &ContactSolver) -> Result<ContactFile, ContactError> {
+    let settings = solver.settings();
+    if !settings.tip_corner_contact {
+        let remedy = "contact at run time follows tip corners: set it to true";
+        return Err(ContactError::input("tip_corner_contact", 0.0, remedy));
+    }
+    let [low, high] = pair.operating.center_distance_offset;
+    let offsets = if low < high {
+        vec![low, 0.5 * (low + high), high]
+    } else {
+        vec![0.0]
+    };
+    let flank = |flank| condensed_flank(solver, flank, &offsets).map(Arc::new);
+    Ok(ContactFile {
+        setup: Arc::new(ContactSetup {
+            teeth: pair.teeth.clone(),
+            ..solver.setup().clone()
+        }),
+        drive: flank(Flank::Drive)?,
+        coast: match pair.coast_mirrors_drive() && pair.teeth.are_alike() {
+            true => None,
+            false => Some(flank(Flank::Coast)?),
+        },
+        error: None,
+    })
+}

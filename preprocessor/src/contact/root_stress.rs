@@ -8,7 +8,7 @@ use super::mesh_cycle::{CycleInput, MeshCycle};
 use crate::finite_element::{RootStress, SpreadSegments};
 use gearmesh::compliance::Segment;
 use gearmesh::contact::{
-    ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint,
+    ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint, SegmentLoad,
 };
 use gearmesh::gear::{Flank, PairGeometry};
 
@@ -59,77 +59,40 @@ impl GearRoots {
 /// Segments of both gears at one position of the mesh, and what their loads do to the roots.
 pub struct PositionRoots<'a> {
     models: &'a [Arc<RootStress>; 2],
-    /// The segments as each gear sees them.
     segments: [SpreadSegments; 2],
-    /// The tooth pair of each, ascending.
-    tooth_pairs: Vec<i32>,
     center_distance_offset: f64,
 }
 
 impl<'a> PositionRoots<'a> {
-    /// Of all segments of `problem`, the one of `solver` at this flank, mesh position and centre distance offset (m);
-    /// `models` are those of gear 1 and gear 2 for this flank.
-    ///
-    /// # Errors
-    /// As [`ContactSolver::position`].
-    pub fn new(
-        solver: &ContactSolver,
-        problem: &PositionProblem,
-        (flank, mesh_position, center_distance_offset): (Flank, f64, f64),
-        models: &'a [Arc<RootStress>; 2],
-    ) -> Result<Self, ContactError> {
-        let tau = mesh_position - mesh_position.floor();
-        let segments = problem.candidates().iter().map(|c| (c.tooth_pair, c.z));
-        Self::of_segments(
-            solver,
-            (flank, tau, center_distance_offset),
-            segments,
-            models,
-        )
+    /// Of all segments of `problem`; `models` are those of gear 1 and gear 2 for its flank.
+    pub fn new(problem: &PositionProblem, models: &'a [Arc<RootStress>; 2]) -> Self {
+        let seen = problem.seen_by_gears().iter().copied();
+        Self::of_segments(seen, problem.center_distance_offset(), models)
     }
 
     fn of_segments(
-        solver: &ContactSolver,
-        (flank, tau, center_distance_offset): (Flank, f64, f64),
-        segments: impl Iterator<Item = (i32, [f64; 2])>,
+        seen: impl Iterator<Item = [Segment; 2]> + Clone,
+        center_distance_offset: f64,
         models: &'a [Arc<RootStress>; 2],
-    ) -> Result<Self, ContactError> {
-        let segments: Vec<_> = segments.collect();
-        let tooth_pairs = segments.iter().map(|(k, _)| *k).collect();
-        let seen =
-            solver.seen_by_gears(flank, tau, center_distance_offset, segments.into_iter())?;
-        let of_gear = |i: usize| {
-            let seen: Vec<Segment> = seen.iter().map(|segment| segment[i]).collect();
-            models[i].spread(&seen)
-        };
-        Ok(PositionRoots {
+    ) -> Self {
+        let of_gear = |i: usize| seen.clone().map(|both| both[i]).collect::<Vec<_>>();
+        PositionRoots {
             models,
-            segments: [of_gear(0), of_gear(1)],
-            tooth_pairs,
+            segments: [0, 1].map(|i| models[i].spread(&of_gear(i))),
             center_distance_offset,
-        })
+        }
     }
 
-    /// The tooth pairs with a force among `forces`, N, on the segments.
-    fn under_load(&self, forces: &[f64]) -> Vec<i32> {
-        let segments = self.tooth_pairs.iter().zip(forces);
-        let mut pairs: Vec<i32> = segments
-            .filter(|(_, f)| **f > 0.0)
-            .map(|(k, _)| *k)
-            .collect();
-        pairs.dedup();
-        pairs
-    }
-
-    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `forces`, N, on the segments.
+    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `loads` on the segments.
     fn field(
         &self,
         i: usize,
         tooth_pair: i32,
-        forces: &[f64],
+        loads: &[SegmentLoad],
     ) -> Result<RootField<'_>, ContactError> {
-        let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
-        let field = self.models[i].of_tooth_under(tooth, &self.segments[i], forces);
+        let tooth = [tooth_pair, -tooth_pair][i];
+        let forces: Vec<f64> = loads.iter().map(|segment| segment.force).collect();
+        let field = self.models[i].of_tooth_under(tooth, &self.segments[i], &forces);
         field.map_err(|model| ContactError::BeyondModel {
             center_distance_offset: self.center_distance_offset,
             model,
@@ -143,14 +106,22 @@ impl<'a> PositionRoots<'a> {
     /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
     pub fn largest(&self, result: &ContactResult) -> Result<[f64; 2], ContactError> {
         let mut largest = [0.0f64; 2];
-        for pair in self.under_load(&result.forces) {
+        for pair in under_load(&result.segments) {
             for (i, largest) in largest.iter_mut().enumerate() {
-                let field = self.field(i, pair, &result.forces)?;
+                let field = self.field(i, pair, &result.segments)?;
                 *largest = largest.max(field.largest().stress);
             }
         }
         Ok(largest)
     }
+}
+
+/// The tooth pairs that bear, ascending.
+fn under_load(loads: &[SegmentLoad]) -> Vec<i32> {
+    let loaded = loads.iter().filter(|segment| segment.force > 0.0);
+    let mut pairs: Vec<i32> = loaded.map(|segment| segment.tooth_pair).collect();
+    pairs.dedup();
+    pairs
 }
 
 impl MeshCycle {
@@ -165,16 +136,14 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let positions: Vec<(PositionRoots, Vec<f64>)> = (&self.mesh_position, &self.loads)
-            .into_par_iter()
-            .map(|(tau, segments)| {
-                let loaded = || segments.iter().filter(|segment| segment.force > 0.0);
-                let at = (input.flank, *tau, input.center_distance_offset);
-                let segments = loaded().map(|segment| (segment.tooth_pair, segment.z));
-                let roots = PositionRoots::of_segments(solver, at, segments, models)?;
-                Ok((roots, loaded().map(|segment| segment.force).collect()))
+        let positions: Vec<(PositionRoots, Vec<SegmentLoad>)> = (self.results.par_iter())
+            .map(|result| {
+                let loaded = result.segments.iter().filter(|segment| segment.force > 0.0);
+                let loaded: Vec<SegmentLoad> = loaded.copied().collect();
+                let (seen, offset) = (loaded.iter().map(|s| s.seen), input.center_distance_offset);
+                (PositionRoots::of_segments(seen, offset, models), loaded)
             })
-            .collect::<Result<_, ContactError>>()?;
+            .collect();
         let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));
         Ok([first?, second?])
     }
@@ -184,24 +153,24 @@ fn of_gear(
     solver: &ContactSolver,
     input: &CycleInput,
     i: usize,
-    positions: &[(PositionRoots, Vec<f64>)],
+    positions: &[(PositionRoots, Vec<SegmentLoad>)],
 ) -> Result<GearRoots, ContactError> {
     let field = |position: usize, tooth_pair: i32| {
-        let (roots, forces) = &positions[position];
-        roots.field(i, tooth_pair, forces)
+        let (roots, loads) = &positions[position];
+        roots.field(i, tooth_pair, loads)
     };
     let placed = |point: RootPoint| RootPoint {
         z: z_in_frame(solver.geometry(), input.flank, i, point.z),
         ..point
     };
-    let teeth: Vec<(usize, i32)> = positions
+    let teeth = positions
         .iter()
         .enumerate()
-        .flat_map(|(position, (roots, forces))| {
-            let pairs = roots.under_load(forces);
+        .flat_map(|(position, (_, loads))| {
+            let pairs = under_load(loads);
             pairs.into_iter().map(move |pair| (position, pair))
-        })
-        .collect();
+        });
+    let teeth: Vec<(usize, i32)> = teeth.collect();
     let teeth = teeth
         .into_par_iter()
         .map(|(position, tooth_pair)| {

@@ -102,9 +102,7 @@ impl RootStressSweep<'_> {
         report: &dyn Fn(usize),
     ) -> Result<Vec<[f64; 2]>, TableError> {
         let column = Column::new(self.solver, self.flank, at)?;
-        let place = (self.flank, at[1], at[0]);
-        let roots = PositionRoots::new(self.solver, &column.problem, place, self.models)
-            .map_err(|error| column.failed(0.0, error))?;
+        let roots = PositionRoots::new(&column.problem, self.models);
         column.solve(loads, watch, report, |result| roots.largest(result))
     }
 

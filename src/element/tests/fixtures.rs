@@ -12,7 +12,6 @@ use crate::table::{
     FrictionRecord, LoadAxes, Potential, Query, RootStressError, RootStressRecord,
     RootStressSamples, SlidingSamples, TableFile,
 };
-use num_dual::{DualNum, HyperDual64};
 
 #[path = "../../../tests/common/element.rs"]
 mod shared;
@@ -220,36 +219,26 @@ pub(crate) struct Smooth {
 
 impl Elasticity for Smooth {
     fn evaluate(&self, q: &Query, _: Counts, _: bool) -> Result<Potential, String> {
-        type D = HyperDual64;
-        let at = [
-            q.delta,
-            q.center_distance_offset,
-            q.misalignment,
-            q.mesh_position,
-        ];
-        let energy = |v: [D; 4]| {
-            let [delta, c, m, tau] = v;
-            let (sine, cosine) = (tau * TAU).sin_cos();
-            let x = delta + m * (cosine * 4e-3 + self.lever) - (sine * 0.5e-6 + m * m * 0.2 + 1e-6);
-            let k = (sine * 0.2 + 1.0) * (-c * 500.0 + 1.0) * self.stiffness;
-            if x.re > 0.0 {
-                k * x * x * x / (3.0 * 10e-6)
-            } else {
-                D::from(0.0)
-            }
+        const LENGTH: f64 = 10e-6;
+        let (m, c) = (q.misalignment, q.center_distance_offset);
+        let (sine, cosine) = (TAU * q.mesh_position).sin_cos();
+        let lever = 4e-3 * cosine + self.lever;
+        let x = (q.delta + m * lever - (0.5e-6 * sine + 0.2 * m * m + 1e-6)).max(0.0);
+        let [swing, nearness] = [1.0 + 0.2 * sine, 1.0 - 500.0 * c];
+        let k = self.stiffness * swing * nearness;
+        let (force, cubic) = (k * x * x / LENGTH, x * x * x / (3.0 * LENGTH));
+        let mut w = Potential {
+            value: k * cubic,
+            gradient: [
+                force,
+                -500.0 * self.stiffness * swing * cubic,
+                force * (lever - 0.4 * m),
+                TAU * (0.2 * cosine * self.stiffness * nearness * cubic
+                    - force * (4e-3 * m * sine + 0.5e-6 * cosine)),
+            ],
+            ..Potential::default()
         };
-        let mut w = Potential::default();
-        for i in 0..4 {
-            for j in 0..4 {
-                let mut v = at.map(D::from_re);
-                v[i].eps1 = 1.0;
-                v[j].eps2 = 1.0;
-                let y = energy(v);
-                w.value = y.re;
-                w.gradient[i] = y.eps1;
-                w.hessian[i][j] = y.eps1eps2;
-            }
-        }
+        w.hessian[0][0] = 2.0 * k * x / LENGTH;
         Ok(w)
     }
 }

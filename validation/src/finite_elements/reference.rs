@@ -143,7 +143,7 @@ fn compare(case: &Case) -> Result<Vec<Compared>> {
             c.ste.push([1e6 * result.approach, at.ste_um[i]]);
             c.contact_z.push(match at.contact_z_mm.get(i) {
                 Some(there) => [1e3 * result.contact_z, *there],
-                None => [1e3 * problem.load_centroid(&result), at.centroid_z_mm[i]],
+                None => [1e3 * result.load_centroid(), at.centroid_z_mm[i]],
             });
             c.pressure
                 .extend(at.flank_pressure_mpa[i].map(|there| [1e-6 * result.max_pressure, there]));

@@ -1,0 +1,339 @@
+//! Claims about what solutions do not show; those about solutions stand in tests/contact.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use approx::assert_abs_diff_eq;
+use nalgebra::DMatrix;
+
+use super::gap::{Flanks, LEAST_CURVATURE};
+use super::transverse::{PairNumbers, TransversePoint, TransverseSection};
+use super::{ContactError, ContactSettings, ContactSolver, Deflection, Failure, PositionProblem};
+use crate::compliance::{BeyondModel, Segment, ToothCompliance};
+use crate::friction::FrictionLaw;
+use crate::gear::{
+    Flank, Gear, PairGeometry, PairMicrogeometry, PairTeeth, ProfileRelief, ReliefShape,
+    ToothProfile, Topography,
+};
+use crate::pair::{Operating, Pair, Refinement};
+use crate::table::TableFile;
+
+/// The shipped pair `name` without modifications, by the geometry in its tables.
+fn plain_pair(name: &str) -> Pair {
+    let tables = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/tables");
+    let text = std::fs::read_to_string(format!("{tables}/{name}.json")).unwrap();
+    let tables: TableFile = serde_json::from_str(&text).unwrap();
+    Pair {
+        name: name.to_owned(),
+        geometry: tables.geometry,
+        microgeometry: PairMicrogeometry::default(),
+        teeth: PairTeeth::default(),
+        operating: Operating {
+            nominal_torque: 100.0,
+            maximum_torque: 200.0,
+            center_distance_offset: [-100e-6, 100e-6],
+            misalignment: [-3e-3, 3e-3],
+        },
+        refinement: Refinement::Coarse,
+        tip_corner_contact: true,
+        friction: FrictionLaw::default(),
+        warnings: vec![],
+    }
+}
+
+/// Its transverse section, tip corners followed up to the separation `limit` (m).
+fn section(g: &PairGeometry, limit: f64) -> TransverseSection {
+    let forms = [0, 1].map(|i| ToothProfile::new(&g.gears[i]).unwrap().form_roll());
+    let numbers = PairNumbers::new(g, [0.0; 2]);
+    TransverseSection::new(&numbers, g.center_distance, forms, Some(limit)).unwrap()
+}
+
+/// Some place along the face, m.
+const Z: f64 = 7e-3;
+
+fn flanks<'a>(pair: &'a Pair, section: &'a TransverseSection, at: TransversePoint) -> Flanks<'a> {
+    let drive = pair.microgeometry.drive.each_ref();
+    Flanks::new(&pair.geometry, section, drive, at, Z)
+}
+
+#[test]
+fn the_closest_point_is_the_least_gap_of_all() {
+    let mut pair = plain_pair("palermo2013");
+    let g = &pair.geometry;
+    let (c, path) = (g.center_distance, g.path_of_contact(g.center_distance));
+    let starts = [[path.end, -0.15], [path.start, 0.15]];
+    let shapes = [ReliefShape::Linear, ReliefShape::Parabolic];
+    for (i, ([end, share], shape)) in starts.into_iter().zip(shapes).enumerate() {
+        pair.microgeometry.drive[i].tip_relief = Some(ProfileRelief {
+            amount: 20e-6,
+            start_roll: g.roll_at(i, c, end + share * path.length()),
+            end_roll: g.gears[i].roll_length(g.gears[i].tip_radius),
+            shape,
+        });
+    }
+    let (g, section) = (&pair.geometry, section(&pair.geometry, 100e-6));
+    let [first, last] = section.reach();
+    for step in 0..=200 {
+        let at = section.point(first + (last - first) * f64::from(step) / 200.0);
+        let found = flanks(&pair, &section, at);
+        let closest = found.closest();
+        let curvature: f64 = at.roll.iter().map(|roll| roll.recip()).sum();
+        let at_distance = |s: f64| {
+            let rolls = [0, 1].map(|i| {
+                let sense = [1.0, -1.0][i];
+                at.roll[i] + sense * s * g.gears[i].base_radius() / at.roll[i]
+            });
+            let within = (0..2).all(|i| {
+                let [tip, form] = section.flank_ends(i);
+                rolls[i] <= tip + 1e-12 && rolls[i] >= form
+            });
+            let removal: f64 = (0..2)
+                .map(|i| pair.microgeometry.drive[i].removal(&g.gears[i], rolls[i], Z))
+                .sum();
+            let involutes = at.separation + at.slope * s + 0.5 * s * s * curvature;
+            within.then_some(involutes + removal / g.base_helix_angle().cos())
+        };
+        let least = (-2000..=2000)
+            .filter_map(|s| at_distance(1e-6 * f64::from(s)))
+            .fold(f64::INFINITY, f64::min);
+        let gap = closest.gap;
+        assert!(
+            gap <= least + 1e-13 && gap > least - 2e-8,
+            "{step}: {gap} {least}"
+        );
+        if at.separation > 0.0 {
+            continue;
+        }
+        // The profile is the gap about that point, but for its involutes' curvature, which is that of the closest point.
+        let profile = found.profile(closest.s);
+        for t in [-0.2e-3, -0.05e-3, 0.05e-3, 0.2e-3] {
+            let Some(there) = at_distance(closest.s + t) else {
+                continue;
+            };
+            let along_action = profile.gap(t) / g.base_helix_angle().cos();
+            let involutes = 0.5 * t * t * profile.curvature;
+            assert_abs_diff_eq!(along_action, there - gap, epsilon = 0.2 * involutes + 1e-12);
+        }
+    }
+}
+
+#[test]
+fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
+    let pair = plain_pair("palermo2013");
+    let section = section(&pair.geometry, 100e-6);
+    for xi in section.reach() {
+        let at = section.point(0.8 * xi);
+        let found = flanks(&pair, &section, at);
+        let closest = found.closest();
+        assert_eq!((closest.gap, closest.s), (at.separation, 0.0));
+        assert_eq!(found.rolls(closest.s), at.roll);
+        assert_eq!(found.profile(closest.s).slope, 0.0);
+    }
+}
+
+#[test]
+fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
+    let mut pair = plain_pair("palermo2013");
+    let section = section(&pair.geometry, 100e-6);
+    let at = section.point(0.0);
+    let curvature = |pair: &Pair| {
+        let found = flanks(pair, &section, at);
+        let closest = found.closest();
+        assert!(closest.s.abs() < 1e-8, "{}", closest.s);
+        found.profile(closest.s).curvature
+    };
+    let plain = curvature(&pair);
+    let by_s = pair.geometry.gears[0].base_radius() / at.roll[0];
+    for (part, left) in [(0.5, 0.5), (0.97, LEAST_CURVATURE)] {
+        let rolls: Vec<f64> = (-20..=20)
+            .map(|i| at.roll[0] + 0.03e-3 * f64::from(i))
+            .collect();
+        let removal = |roll: &f64| {
+            let s = (roll - at.roll[0]) / by_s;
+            vec![50e-6 - 0.5 * part * plain * s * s; 3]
+        };
+        let removals = rolls.iter().map(removal).collect();
+        let grid = Topography::new(rolls, vec![0.0, 10e-3, 25e-3], removals).unwrap();
+        pair.microgeometry.drive[0].topography = Some(grid);
+        let found = curvature(&pair) / plain;
+        assert_abs_diff_eq!(found / left, 1.0, epsilon = 1e-3);
+    }
+}
+
+/// Signed distance G / cos beta_b of formulation.md from the involute of `gear` on the flank `sigma` in the
+/// plane zeta = 0, body coordinates.
+fn signed_distance(gear: &Gear, sigma: f64, radius: f64, theta: f64) -> f64 {
+    let t = gear.roll_length(radius) / gear.base_radius();
+    let eta = gear.kappa() * sigma * gear.half_base_angle();
+    gear.base_radius() * (sigma * (theta - eta) + gear.kappa() * (t - t.atan()))
+}
+
+/// Body angle of the flank `sigma` at the length of roll `roll`.
+fn flank_angle(gear: &Gear, sigma: f64, roll: f64) -> f64 {
+    let t = roll / gear.base_radius();
+    gear.kappa() * sigma * (gear.half_base_angle() - (t - t.atan()))
+}
+
+/// Smallest distance of the mate's involute from the flank of the gear `i` (up to its tip) and the length of
+/// roll there, with the pair turned to `xi` and gear 1 by `ahead` (rad) more, both axes in the plane
+/// z = 0, gear 1 at the origin.
+fn closest(p: &PairGeometry, i: usize, xi: f64, ahead: f64) -> (f64, f64) {
+    let (c, e, s) = (p.center_distance, p.e(), 1.0);
+    let w = p.gears[0].z() / (p.gears[0].z() + e * p.gears[1].z());
+    let centers = [0.0, c];
+    let sigma = [s, e * s];
+    let spin = [
+        s * (xi / p.gears[0].base_radius() + ahead),
+        -e * s * xi / p.gears[1].base_radius(),
+    ];
+    let turned = [0, 1].map(|g| {
+        let pitch_roll = p.roll_at(g, c, 0.0);
+        let direction = if w * c > centers[g] { 0.0 } else { PI };
+        direction - flank_angle(&p.gears[g], sigma[g], pitch_roll) + spin[g]
+    });
+    let (gear, mate) = (&p.gears[i], &p.gears[1 - i]);
+    let tip = gear.roll_length(gear.tip_radius);
+    let form = ToothProfile::new(gear).unwrap().form_roll();
+    (0..=4000)
+        .map(|step| {
+            let roll = tip + (form - tip) * f64::from(step) / 4000.0;
+            let angle = turned[i] + flank_angle(gear, sigma[i], roll);
+            let radius = gear.radius_at_roll(roll);
+            let x = centers[i] + radius * angle.cos() - centers[1 - i];
+            let y = radius * angle.sin();
+            let theta = y.atan2(x) - turned[1 - i];
+            let turn = (theta / TAU).round() * TAU;
+            let g = signed_distance(mate, sigma[1 - i], x.hypot(y), theta - turn);
+            (g, roll)
+        })
+        .filter(|(g, _)| g.is_finite())
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap()
+}
+
+/// The closed form of the separation against flanks set up from formulation.md's signed distance, on pairs of every kind, the
+/// ring as gear 1 included.
+#[test]
+fn separation_and_arm_of_a_tip_edge_are_those_of_the_signed_distance_from_the_mate() {
+    let names = ["palermo2013", "helical-25-47", "planet-ring-27-84"];
+    let mut pairs: Vec<PairGeometry> = names.iter().map(|name| plain_pair(name).geometry).collect();
+    let mut swapped = pairs[2].clone();
+    swapped.gears.swap(0, 1);
+    pairs.push(swapped);
+    for p in &pairs {
+        let section = section(p, 50e-6);
+        let path = p.path_of_contact(p.center_distance);
+        let [first, last] = section.reach();
+        assert!(first < path.start && path.end < last, "{path:?}");
+        for (end, tip_gear, limit) in [(path.start, 1, first), (path.end, 0, last)] {
+            for fraction in [0.2, 0.6, 1.0] {
+                let xi = end + fraction * (limit - end);
+                let separation = section.point(xi).separation;
+                let (distance, roll) = closest(p, tip_gear, xi, 0.0);
+                let gear = &p.gears[tip_gear];
+                let tip = gear.roll_length(gear.tip_radius);
+                assert_eq!(roll, tip, "first to touch: the tip");
+                assert_abs_diff_eq!(separation, distance, epsilon = 1e-12);
+                assert!(separation > 0.0 && separation < 50.001e-6);
+            }
+            // The arm is the work that gear 1 does per turn.
+            let xi = end + 0.7 * (limit - end);
+            let turn = 1e-7;
+            let closed = closest(p, tip_gear, xi, -turn).0 - closest(p, tip_gear, xi, turn).0;
+            let by_work = closed / (2.0 * turn * p.gears[0].base_radius());
+            let arms = section.point(xi).arms;
+            assert_abs_diff_eq!(arms[0], by_work, epsilon = 1e-6);
+            assert_eq!(arms[1 - tip_gear], 1.0);
+            assert!((arms[tip_gear] - 1.0).abs() > 1e-3, "{arms:?}");
+        }
+        // On the path the flanks touch at the conjugate point.
+        let xi = 0.3 * path.end;
+        let (distance, roll) = closest(p, 0, xi, 0.0);
+        assert_abs_diff_eq!(distance, 0.0, epsilon = 1e-9);
+        let point = section.point(xi);
+        assert_abs_diff_eq!(roll, point.roll[0], epsilon = 1e-5);
+        assert_eq!(point.arms, [1.0; 2]);
+    }
+}
+
+#[test]
+fn a_deflection_is_straight_through_and_beyond_its_points_and_turns_smoothly_from_piece_to_piece() {
+    let curve = Deflection::new(vec![[0.0, 1e-6], [10e-3, 3e-6], [20e-3, 2e-6]]).unwrap();
+    for (z, closing, slope) in [
+        (0.0, 1.0, 200.0),
+        (5e-3, 2.0, 200.0),
+        (10e-3, 3.0, 50.0),
+        (15e-3, 2.5, -100.0),
+        (30e-3, 1.0, -100.0),
+        (-5e-3, 0.0, 200.0),
+    ] {
+        let found = curve.closing(z).map(|value| 1e6 * value);
+        assert_abs_diff_eq!(found[..], [closing, slope][..], epsilon = 1e-9);
+    }
+    for (beyond, range) in [(0.0, [1.0, 3.0]), (2e-3, [0.6, 3.1])] {
+        let found = curve.range([0.0, 20e-3], beyond).map(|value| 1e6 * value);
+        assert_abs_diff_eq!(found[..], range[..], epsilon = 1e-9);
+    }
+    assert_eq!(Deflection::default().closing(1.0), [0.0; 2]);
+    // A bow is zero in the middle and opens the ends.
+    let bow = Deflection::bow(4e-6, [2e-3, 22e-3]).unwrap();
+    for (z, closing) in [(2e-3, -4.0), (12e-3, 0.0), (17e-3, -1.0), (22e-3, -4.0)] {
+        assert_abs_diff_eq!(1e6 * bow.closing(z)[0], closing, epsilon = 1e-9);
+    }
+    for points in [
+        vec![[0.0, 0.0]],
+        vec![[0.0, 0.0], [0.0, 1.0]],
+        vec![[0.0, 0.0], [1.0, f64::NAN]],
+    ] {
+        let refused = Deflection::new(points);
+        assert!(matches!(refused, Err(ContactError::Input { .. })));
+    }
+}
+
+/// Segments that do not know of each other.
+struct Alone;
+
+impl ToothCompliance for Alone {
+    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
+        Ok(DMatrix::identity(segments.len(), segments.len()) * 1e-8)
+    }
+
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
+        vec![1e-3; segments.len()]
+    }
+}
+
+#[test]
+fn a_segment_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
+    let pair = plain_pair("palermo2013");
+    let alone: [Arc<dyn ToothCompliance>; 2] = [Arc::new(Alone), Arc::new(Alone)];
+    let solver = ContactSolver::new(&pair, alone, ContactSettings::default()).unwrap();
+    let torque = pair.operating.nominal_torque;
+    let damage: [fn(&mut PositionProblem, usize); 3] = [
+        |problem, i| problem.candidates[i].gap = [f64::NAN; 4],
+        |problem, i| problem.candidates[i].gap[2] = f64::NAN,
+        |problem, i| problem.arm[i] = f64::NAN,
+    ];
+    let problem = || solver.position(Flank::Drive, 0.2, 0.0).unwrap();
+    let approach = problem().solve_torque(torque, 0.0, None).unwrap().approach;
+    for damage in damage {
+        for approach in [approach, -1e-3] {
+            let mut problem = problem();
+            let middle = problem.candidates.len() / 2;
+            damage(&mut problem, middle);
+            for result in [
+                problem.solve_torque(torque, 0.0, None),
+                problem.solve_approach(approach, 0.0, None),
+            ] {
+                let failed = matches!(
+                    result,
+                    Err(ContactError::Unsolved {
+                        failure: Failure::NotConverged { .. },
+                        ..
+                    })
+                );
+                assert!(failed, "{:?}", result.map(|r| r.loa_force));
+            }
+        }
+    }
+}

@@ -324,3 +324,25 @@ fn polynomials<const N: usize>(knots: &[f64], m: usize) -> [[f64; N]; N] {
     }
     std::array::from_fn(|p| std::array::from_fn(|j| functions[j][p]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    const UNEVEN: [f64; 6] = [-1.0, -0.2, 0.0, 0.5, 1.5, 2.0];
+
+    #[test]
+    fn functions_add_up_to_one_with_vanishing_derivatives() {
+        for ends in [Ends::Bounded, Ends::Periodic] {
+            let basis = Basis::<4>::new(&UNEVEN, ends);
+            for i in 0..=300 {
+                let (w, _) = basis.weights(Lanes::COMMON, -1.0 + 3.0 * f64::from(i) / 300.0, 2);
+                assert_abs_diff_eq!(w.value.iter().sum::<f64>(), 1.0, epsilon = 1e-14);
+                assert_abs_diff_eq!(w.slope.iter().sum::<f64>(), 0.0, epsilon = 1e-12);
+                assert_abs_diff_eq!(w.curvature.iter().sum::<f64>(), 0.0, epsilon = 1e-11);
+                assert!(w.value.iter().all(|&v| v >= -1e-15));
+            }
+        }
+    }
+}

@@ -212,6 +212,10 @@ fn parameters_without_a_meaning_are_refused_by_name() {
         damping_onset: 1e-9,
         ..torque(1e6)
     };
+    let onset = Parameters {
+        damping_onset: 0.0,
+        ..good
+    };
     made(&pair, &backlash(0.4 * pitch));
     Element::new(&pair, &torque(200.0), Some(table.clone())).unwrap();
     let by_table = "stiffnessModel = table";
@@ -219,6 +223,7 @@ fn parameters_without_a_meaning_are_refused_by_name() {
         (backlash(0.6 * pitch), "backlash = ", "half a pitch"),
         (backlash(110.0), "backlash = 110 m: ", "half a pitch"),
         (backlash(-1.0), "backlash = -1 m: ", "zero or above"),
+        (onset, "dampingOnset = 0: ", "a share"),
         (friction, "friction = true: ", by_table),
         (root_stress, "rootStress = true: ", by_table),
         (torque(1e300), "nominalTorque = 1e300 N m: ", "dampingOnset"),

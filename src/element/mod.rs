@@ -17,6 +17,7 @@
 //!
 //! The walk from a pose to its force: this file, `contact` (both flanks under load), `kinematics` (the map), `law` (a table or
 //! what stands for it), `friction`. (`paper` takes the place of a part of the map in [`Formulation::Paper`].)
+//! Loads for a communication step, which need not be those of the pose, are predicted from that: [`Element::predict`].
 //!
 //! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
 //!   transpose. Undamped it keeps energy, and the damper can only take some; the default.

@@ -91,7 +91,7 @@ pub struct Parameters {
     /// Angle of gear 1 into its mesh cycle at the initial pose, rad, on the loaded flank; used by
     /// [`PhaseReference::FromInitialPose`].
     pub mesh_phase: f64,
-    /// Friction of the flanks by the sliding and the law of the coefficient that the table holds.
+    /// Friction of the flanks by the sliding and the law of the coefficient that the table or the contact holds.
     pub friction: bool,
     /// Factor on the coefficient of friction, >= 0.
     pub friction_factor: f64,

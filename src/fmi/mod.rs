@@ -3,7 +3,7 @@
 //! ```text
 //! host ── c_interface ── instance ─┬─ inputs ── element
 //!         pointers,      life and  ├─ parameters, variables (modelDescription.xml)
-//!         panics, log    cache     └─ state: inputs, parameters, phase offsets, clock
+//!         panics, log    cache     └─ state: inputs, parameters, phase offsets, clock, last step
 //! ```
 //!
 //! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put into the archive. In the

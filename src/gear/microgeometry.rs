@@ -2,8 +2,8 @@
 //!
 //! Every amount is in metres along the flank normal, material removed positive. Profile modifications run over
 //! the length of roll (`roll`, [`Gear::roll_length`]), lead modifications over the gear's own face, bias and
-//! topography over both. [`Microgeometry::removal`] is their one home. Names and signs of drawings: ISO 21771-1,
-//! ISO 1328-1; where a sign differs from theirs, the field says so.
+//! topography over both. [`Microgeometry::removal`] is their sum; contact takes its parts along profile and face. Names
+//! and signs of drawings: ISO 21771-1, ISO 1328-1; where a sign differs from theirs, the field says so.
 
 use super::topography::Topography;
 use super::{BothFlanks, Gear};

@@ -43,7 +43,7 @@ const LONGEST_FILE: u64 = 256 << 20;
 
 const DESCRIPTION: &str = "modelDescription.xml";
 
-/// Most files of an FMU that is looked into; one of gearmesh has some twenty.
+/// Most files of an FMU that is looked into; one of gearmesh has about a dozen.
 const MOST_FILES: usize = 10_000;
 
 /// Unpacks the resources of the FMU at `path` into `folder`, as a host would.

@@ -278,7 +278,7 @@ def pack(source: Pair, out: str | Path, *, set: Mapping[str, Value] | None = Non
         Of the FMU.
     """
     with _file(source) as file:
-        kind = "--tables" if inspect(file).kind == "tables" else "--pair"
+        kind = "--tables" if _kind(run("inspect", file)) == "tables" else "--pair"
         run("pack", kind, file, "-o", out, *_settings(set))
     return Path(out)
 
@@ -438,11 +438,16 @@ def inspect(file: str | Path) -> Inspection:
     Inspection
     """
     text = run("inspect", file)
-    kind = text.partition("\n")[0].rpartition(": ")[2]
+    kind = _kind(text)
     if kind in ("tables", "FMU"):
         rows = (line.strip().split("  ", 1) for line in text.splitlines()[1:])
         return Inspection("fmu" if kind == "FMU" else "tables", {row[0]: row[1].strip() for row in rows if len(row) > 1}, text)
     return Inspection("pair", json.loads(run("inspect", file, "--json")), text)
+
+
+def _kind(text: str) -> str:
+    """What `gearmesh inspect` calls the file in its first line."""
+    return text.partition("\n")[0].rpartition(": ")[2]
 
 
 @contextmanager

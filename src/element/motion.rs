@@ -13,7 +13,7 @@ pub struct ElementError(pub(crate) String);
 impl ElementError {
     /// The parameter `name` of the FMU has no meaning with `value`, which has its unit.
     pub(crate) fn parameter(name: &str, value: &str, remedy: &str) -> Self {
-        Self(format!("{name} = {}: {remedy}", value.trim_end()))
+        Self(format!("{name} = {value}: {remedy}"))
     }
 }
 

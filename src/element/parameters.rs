@@ -163,7 +163,7 @@ impl Parameters {
     pub(crate) fn check(&self) -> Result<(), ElementError> {
         let refuse = |name, value: f64, unit, remedy| {
             let value = format!("{} {unit}", number(value));
-            Err(ElementError::parameter(name, &value, remedy))
+            Err(ElementError::parameter(name, value.trim_end(), remedy))
         };
         let backlash = self.backlash.unwrap_or_default();
         let speed = self.friction_transition_speed;

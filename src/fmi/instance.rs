@@ -19,7 +19,7 @@ use super::variables::{
 use super::{Refusal, Severity};
 use crate::element::{
     BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, Formulation, Inputs, Jacobian,
-    Loads, Outputs, Prediction, Step, StepRequest, Workspace,
+    Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -378,7 +378,15 @@ impl Instance {
         Ok((element, &mut self.buffers))
     }
 
-    /// Outputs at the present state; before phases are taken, with those of the present pose.
+    /// As [`Instance::ready`], with the phases of the teeth; before phases are taken, those of the present pose.
+    fn in_phase(&mut self) -> Result<(&Element, &mut Buffers, PhaseOffset), Refusal> {
+        let phase = self.state.phase_offset;
+        let (element, buffers) = self.ready()?;
+        let phase = phase.map_or_else(|| element.phase_offset(&buffers.motions), Ok)?;
+        Ok((element, buffers, phase))
+    }
+
+    /// Outputs at the present state.
     fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
         if self.outputs.is_none() {
             let last = self.state.step.as_ref().map(Step::length);
@@ -389,15 +397,10 @@ impl Instance {
                     (prediction.outputs, Some(prediction.loads))
                 }
                 (_, loads, _) => {
-                    let phase = self.state.phase_offset;
-                    let (
-                        element,
-                        Buffers {
-                            motions, workspace, ..
-                        },
-                    ) = self.ready()?;
-                    let phase = phase.map_or_else(|| element.phase_offset(motions), Ok)?;
-                    (element.evaluate_from(&phase, motions, workspace)?, loads)
+                    let (element, buffers, phase) = self.in_phase()?;
+                    let workspace = &mut buffers.workspace;
+                    let all = element.evaluate_from(&phase, &buffers.motions, workspace)?;
+                    (all, loads)
                 }
             };
             self.outputs = Some(self.evaluated(all, loads.as_ref())?);
@@ -424,14 +427,9 @@ impl Instance {
             length,
             effective_mass: self.settings.effective_mass,
         };
-        let (phase, last) = (self.state.phase_offset, self.state.step);
-        let (
-            element,
-            Buffers {
-                motions, workspace, ..
-            },
-        ) = self.ready()?;
-        let phase = phase.map_or_else(|| element.phase_offset(motions), Ok)?;
+        let last = self.state.step;
+        let (element, buffers, phase) = self.in_phase()?;
+        let (motions, workspace) = (&buffers.motions, &mut buffers.workspace);
         Ok(element.predict(&phase, motions, last.as_ref(), &request, workspace)?)
     }
 

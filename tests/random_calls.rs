@@ -373,11 +373,13 @@ fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");
-    gearmesh_preprocessor::package::unpack_resources(&fmu, folder).unwrap();
-    let unit = std::fs::read(folder.join("unit.json")).unwrap();
+    let packed = gearmesh_preprocessor::package::inspect(&fmu).unwrap();
+    std::fs::write(folder.join("tables.json"), packed.tables.unwrap()).unwrap();
+    let contact = packed.contact.unwrap().to_bytes();
+    std::fs::write(folder.join("contact.bin"), contact).unwrap();
     gearmesh::fmi::resources::UnitFile {
         guid: units::GUID.into(),
-        ..serde_json::from_slice(&unit).unwrap()
+        ..packed.unit
     }
 }
 

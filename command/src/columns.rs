@@ -3,7 +3,7 @@
 use gearmesh::words::{fixed, rounded, shown, shown_in_full};
 use serde_json::{Map, Value};
 
-use crate::Result;
+use crate::error::Result;
 
 /// A quantity of the rows `T`.
 pub struct Column<'a, T> {

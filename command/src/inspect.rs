@@ -7,18 +7,17 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use gearmesh::element::{Parameters, PhaseReference, Workspace};
-use gearmesh::fmi::resources::{self, UnitFile};
+use gearmesh::fmi::resources::{Resources, UnitFile};
 use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
 use gearmesh_preprocessor::package::{self, start_in_words};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::storage::uninterrupted;
 use nalgebra::{Rotation3, Vector3};
 use serde::de::IgnoredAny;
 
-use crate::Result;
 use crate::columns::{Listing, rows};
+use crate::error::Result;
 use crate::output;
 use crate::pair_summary::{as_json, pair_summary};
 
@@ -96,14 +95,22 @@ fn fmu(path: &Path) -> Result<String> {
     let found = package::inspect(path)?;
     let unit = &found.unit;
     let tables = (found.tables.as_deref().map(TableFile::from_json)).transpose()?;
-    let contact_error = found.contact_error.as_ref();
+    if (tables.as_ref()).is_some_and(|tables| tables.geometry != unit.geometry) {
+        refuse!(
+            "{}: its tables are those of another pair; pack the FMU again",
+            path.display()
+        );
+    }
+    let contact_error = found.contact.as_ref().and_then(|contact| contact.error);
+    let contact_error = contact_error.as_ref();
     let error = level_error(unit, tables.as_ref(), contact_error);
     let mut rows = Listing::default();
     rows! { rows;
         "GUID" => "{}", unit.guid;
         "platforms" => "{}", found.platforms.join(", ");
     }
-    if let Some(time) = evaluation_time(path, &unit.guid)? {
+    let resources = Resources::new(unit.clone(), tables.clone(), found.contact)?;
+    if let Some(time) = evaluation_time(&resources)? {
         let us = 1e6 * time;
         rows! { rows; "time of one evaluation" => "{us:.2} us on this machine, under nominal torque and with the start values below"; }
     }
@@ -148,13 +155,9 @@ fn level_error(
         let own = unit.starts.get(VARIABLES[i].name).copied();
         own.or(VARIABLES[i].start).unwrap_or(0.0)
     };
-    // Items are counted from 1.
-    let item = |i: usize| {
-        let item = VARIABLES[i].items.get((start(i) as usize).wrapping_sub(1));
-        item.copied().unwrap_or("")
-    };
+    let item = |i: usize| start_in_words(VARIABLES[i].name, start(i));
     let level = item(index::STIFFNESS_MODEL);
-    let error = match (level, tables) {
+    let error = match (&*level, tables) {
         ("contact", _) => run_time_error(contact),
         ("teeth", Some(TableFile { teeth: Some(t), .. })) => {
             format!("{} against contact at run time", t.error)
@@ -194,14 +197,8 @@ const ROUND: Duration = Duration::from_millis(1);
 /// Positions over one mesh cycle, so that an evaluation meets another cell than the last one.
 const POSITIONS: usize = 64;
 
-/// Time of one evaluation of the FMU at `path` with the GUID `guid`, its start values and its nominal torque, s; None if no pose
-/// bears that torque.
-fn evaluation_time(path: &Path, guid: &str) -> Result<Option<f64>> {
-    let resources = uninterrupted(|| -> Result<_> {
-        let folder = tempfile::tempdir()?;
-        package::unpack_resources(path, folder.path())?;
-        Ok(resources::load(&folder.path().to_string_lossy(), guid)?)
-    })?;
+/// Time of one evaluation of an FMU with its start values and its nominal torque, s; None if no pose bears that torque.
+fn evaluation_time(resources: &Resources) -> Result<Option<f64>> {
     // From any pose: where teeth stand counts for no cost.
     let parameters = Parameters {
         phase_reference: PhaseReference::FromInitialPose,

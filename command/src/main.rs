@@ -3,12 +3,8 @@
 //! Results go to standard output, progress and errors to standard error, and the exit status is 0 only when the whole
 //! thing was done.
 
-/// Ends a function with an error in these words.
-macro_rules! refuse {
-    ($($words:tt)*) => {
-        return Err(format!($($words)*).into())
-    };
-}
+#[macro_use]
+mod error;
 
 mod case;
 mod columns;
@@ -29,6 +25,7 @@ mod tables;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use error::Result;
 use gearmesh_preprocessor::storage::uninterrupted;
 
 /// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
@@ -54,11 +51,6 @@ enum Command {
     Study(study::Study),
     Cache(model::Cache),
 }
-
-/// Any error of a subcommand; its chain is printed on one line.
-type Error = Box<dyn std::error::Error>;
-
-type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// From now on the signals to interrupt and to terminate end the process after the file that is being written.
 fn stop_on_signals() -> Result<()> {
@@ -89,7 +81,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("gearmesh: error: {}", output::chain(error.as_ref()));
+            eprintln!("gearmesh: error: {}", error::chain(error.as_ref()));
             ExitCode::FAILURE
         }
     }

@@ -17,8 +17,9 @@ use gearmesh_preprocessor::finite_element::{
 use indicatif::HumanDuration;
 
 use crate::columns::Listing;
+use crate::error::Result;
+use crate::limits;
 use crate::output::{self, Job};
-use crate::{Result, limits};
 
 /// How teeth are modelled.
 #[derive(Debug, Clone, Args)]

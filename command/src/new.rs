@@ -8,7 +8,8 @@ use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::pair;
 
-use crate::{Result, limits, output, rexs};
+use crate::error::Result;
+use crate::{limits, output, rexs};
 
 /// Write a commented pair file to start from.
 ///

@@ -1,4 +1,4 @@
-//! Text to standard output, progress to standard error, whole files to disk, errors in one line.
+//! Text to standard output, progress to standard error, whole files to disk.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use gearmesh_preprocessor::storage;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Writes `bytes` to `path`, whole or not at all: see [`storage::write_whole`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
@@ -38,13 +38,11 @@ pub fn check_writable<P: AsRef<Path>>(
 }
 
 pub fn make_folder(option: &str, path: &Path) -> Result<()> {
-    let Err(error) = std::fs::create_dir_all(path) else {
-        return Ok(());
-    };
-    let path = path.display();
-    refuse!(
-        "{option} = {path}: making this folder failed: {error}; name one that is there or can be made"
-    );
+    if let Err(error) = std::fs::create_dir_all(path) {
+        let failed = format!("{option} = {}: making this folder failed", path.display());
+        refuse!("{failed}: {error}; name one that is there or can be made");
+    }
+    Ok(())
 }
 
 /// Longest text that is read, bytes: some hundred times the tables of a pair.
@@ -83,21 +81,6 @@ pub fn print(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
-}
-
-/// An error and its causes on one line. A cause whose text the line contains already is left out.
-pub fn chain(error: &dyn std::error::Error) -> String {
-    let mut line = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        let text = error.to_string();
-        if !line.contains(&text) {
-            line.push_str(": ");
-            line.push_str(&text);
-        }
-        cause = error.source();
-    }
-    line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The work of a command, whose progress is shown: on a terminal in one line that is written over and disappears when this
@@ -141,18 +124,5 @@ impl Job {
         }
         self.line.set_message(words);
         self.line.tick();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_chain_of_errors_is_one_line_and_says_nothing_twice() {
-        let inner = io::Error::other("disk\nfull");
-        let line = chain(&io::Error::other(inner));
-        assert_eq!(line.matches("disk full").count(), 1, "{line}");
-        assert!(!line.contains('\n'));
     }
 }

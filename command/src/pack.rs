@@ -9,10 +9,11 @@ use gearmesh::table::TableFile;
 use gearmesh_preprocessor::package::{self, Contents, Library, Setting, Starts};
 use gearmesh_preprocessor::pair;
 
+use crate::error::{Result, chain};
 use crate::inspect::is_tables;
 use crate::model::ModelArgs;
+use crate::output;
 use crate::tables::{self, GridArgs};
-use crate::{Result, output};
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -101,7 +102,7 @@ impl Pack {
         let words = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
-                let (tables, error) = (tables.display(), output::chain(&error));
+                let (tables, error) = (tables.display(), chain(&error));
                 let remedy = match is_tables(&text) {
                     true => "",
                     false => "; a pair file is packed by `--pair`",

@@ -3,7 +3,7 @@
 use gearmesh::gear::{Flank, Gear, GearKind, Microgeometry, ReliefShape, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
-use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, lead};
+use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, hand, lead};
 use gearmesh_preprocessor::pair::{self, Gauges};
 use serde_json::{Value, json};
 
@@ -96,14 +96,6 @@ fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
         "normal_backlash_um", ["backlash normal to the flanks j_bn", "um", 1] => backlash * cos_beta_b;
         "", ["teeth", "", None] => thinning(pair);
         "", ["normal force at nominal torque", "N", 1] => pair.operating.nominal_torque / first.base_radius() / cos_beta_b;
-    }
-}
-
-fn hand(gear: &Gear) -> &'static str {
-    match (gear.helix_angle > 0.0, gear.hand > 0.0) {
-        (false, _) => "spur",
-        (true, true) => "right",
-        (true, false) => "left",
     }
 }
 

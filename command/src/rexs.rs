@@ -8,7 +8,8 @@ use gearmesh_preprocessor::pair::{self, PairError};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
-use crate::{Result, output};
+use crate::error::Result;
+use crate::output;
 
 /// Fields of a gear, the components that may have them, and the attributes that give them, the first one first. The
 /// addendum of a tool cuts the dedendum of the gear.

@@ -1,7 +1,7 @@
-//! How files are written: whole or not at all, whatever stops the program.
+//! How files are written: whole or not at all, whatever stops the program; how CSV is read.
 
 use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -91,6 +91,17 @@ fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
         let tried = format!("making a file in the folder {}", folder(path).display());
         io::Error::new(error.kind(), format!("{tried} failed: {said}"))
     })
+}
+
+/// A reader of CSV `text` in which blanks stand around cells and lines that begin with # are remarks.
+pub fn csv_reader(text: &str) -> csv::Reader<Cursor<String>> {
+    // The reader counts a line only at its \n, after the place of the next one.
+    let text = Cursor::new(text.replace("\r\n", "\n"));
+    let mut builder = csv::ReaderBuilder::new();
+    builder
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text)
 }
 
 #[cfg(test)]

@@ -6,8 +6,18 @@ use gearmesh::words::fixed;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::{Curve, Height, Map, Style};
-use crate::Result;
+use super::{Curve, Figure, Height, Map, Plot, Style};
+use crate::error::Result;
+
+impl Figure {
+    pub fn svg(&self) -> askama::Result<String> {
+        let drawn = match &self.plot {
+            Plot::Lines(height, curves) => lines(&self.labels, *height, curves),
+            Plot::Map(data) => map(&self.labels, data),
+        };
+        drawn.map_err(|error| askama::Error::custom(error.to_string()))
+    }
+}
 
 const SIZE: (u32, u32) = (1400, 800);
 /// Of the width, for the legend and for the scale next to the plot.
@@ -84,7 +94,7 @@ fn range(values: impl Iterator<Item = f64>, least: f64) -> Range<f64> {
     start - margin..end + margin
 }
 
-pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> {
+fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> {
     let points = || curves.iter().flat_map(|c| &c.points);
     let lower = curves.iter().filter_map(|curve| match &curve.style {
         Style::Band(low) => Some(low),
@@ -181,7 +191,7 @@ fn shade(fraction: f64) -> RGBColor {
 }
 
 /// Higher values over lower ones.
-pub fn map(labels: &[String], map: &Map) -> Result<String> {
+fn map(labels: &[String], map: &Map) -> Result<String> {
     let order = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
     let mut patches: Vec<_> = map.patches.iter().collect();
     patches.sort_by(|a, b| order(a.value).total_cmp(&order(b.value)));

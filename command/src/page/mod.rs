@@ -7,7 +7,8 @@ use std::path::Path;
 
 use askama::Template;
 
-use crate::{Result, output};
+use crate::error::Result;
+use crate::output;
 
 #[derive(Template, Default)]
 #[template(path = "page.html")]
@@ -207,14 +208,6 @@ impl Figure {
             labels: labels.iter().map(|label| label.to_string()).collect(),
             plot,
         }
-    }
-
-    pub fn svg(&self) -> askama::Result<String> {
-        let drawn = match &self.plot {
-            Plot::Lines(height, curves) => draw::lines(&self.labels, *height, curves),
-            Plot::Map(map) => draw::map(&self.labels, map),
-        };
-        drawn.map_err(|error| askama::Error::custom(error.to_string()))
     }
 
     /// Every point of the curves, or the node of every patch with its value.

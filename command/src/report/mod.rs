@@ -5,21 +5,22 @@ mod sections;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
-use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::contact::ContactSolver;
+use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh::table::{Query, Table, TableFile};
-use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, LoadCase, MeshCycle};
+use gearmesh::table::{Table, TableFile};
 use gearmesh_preprocessor::pair;
 
-use crate::case::{Case, LEGEND, details, load, load_matrix, summary, torque_in_words};
+use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words};
 use crate::columns::lines;
+use crate::error::Result;
 use crate::inspect::is_tables;
-use crate::model::{Fillets, ModelArgs, widen};
+use crate::model::{ModelArgs, widen};
 use crate::output::{self, Job};
 use crate::page::{Page, Section};
 use crate::pair_summary::pair_summary;
-use crate::{Result, limits, study};
+use crate::{limits, study};
+use sections::{Loads, evenly};
 
 /// Loads of the curves over the nominal torque; 70, 100, 130 N m of the paper's Fig. 20 are among them.
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];
@@ -187,11 +188,6 @@ impl Report {
 /// What something is in words, and the sections on it.
 type Described = Result<(String, Vec<Section>)>;
 
-fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let step = (high - low) / (count as f64 - 1.0);
-    (0..count).map(|i| low + step * i as f64).collect()
-}
-
 /// What pair files and tables both show: `cases` at the torques of the curves, and those of the aligned `survey`.
 fn variant_sections(
     variant: &Variant,
@@ -248,90 +244,5 @@ fn table(solver: &ContactSolver, cases: &[Case]) -> Section {
     Section {
         table: lines(&columns, cases),
         ..Section::new("In numbers", note, vec![])
-    }
-}
-
-/// Loads at which every variant is shown: those of the operating range of the reported pair.
-pub struct Loads {
-    pub nominal: f64,
-    /// Torques of the curves over the mesh cycle, N m.
-    pub torques: Vec<f64>,
-    pub survey: Vec<f64>,
-    /// Misalignments over their range, rad; empty where there is none.
-    pub tilts: Vec<f64>,
-    pub speeds: Vec<f64>,
-}
-
-pub enum Variant<'a> {
-    /// With its fillets where the stress in the roots is shown.
-    Pair(&'a ContactSolver, Option<&'a Fillets>),
-    Tables(Box<Table>),
-}
-
-impl Variant<'_> {
-    pub fn geometry(&self) -> &PairGeometry {
-        match self {
-            Variant::Pair(solver, _) => solver.geometry(),
-            Variant::Tables(table) => table.geometry(),
-        }
-    }
-
-    /// Mesh cycles of the drive flank for each of `torques` (N m) with each of `misalignments` (rad); tables know STE, stiffness, z_c.
-    pub fn cases(
-        &self,
-        torques: &[f64],
-        misalignments: &[f64],
-        positions: usize,
-    ) -> Result<Vec<Case>, ContactError> {
-        let loads = load_matrix(torques, misalignments);
-        let input = |load: &LoadCase| CycleInput {
-            flank: Flank::Drive,
-            torque: load.torque,
-            center_distance_offset: 0.0,
-            misalignment: load.misalignment,
-            positions,
-        };
-        match self {
-            Variant::Pair(solver, fillets) => {
-                Case::solve_all(solver, *fillets, &input(&loads[0]), &loads, &|_| {})
-            }
-            Variant::Tables(table) => Ok(loads.iter().map(|l| of_table(table, input(l))).collect()),
-        }
-    }
-}
-
-fn of_table(table: &Table, input: CycleInput) -> Case {
-    let geometry = table.geometry();
-    let force = input.torque / geometry.gears[0].base_radius();
-    let (flank, _) = table.flank(Flank::Drive);
-    let result = |&mesh_position: &f64| {
-        let mut pose = Query {
-            misalignment: input.misalignment,
-            mesh_position,
-            ..Query::default()
-        };
-        pose.delta = flank.approach_at(force, &pose);
-        let found = flank.evaluate(&pose, false);
-        ContactResult {
-            approach: pose.delta,
-            contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],
-            tangent: Tangent {
-                force_by_approach: found.hessian[0][0],
-                ..Tangent::default()
-            },
-            ..ContactResult::default()
-        }
-    };
-    let positions = (0..input.positions).map(|i| i as f64 / input.positions as f64);
-    let mesh_position: Vec<f64> = positions.collect();
-    Case {
-        input,
-        cycle: MeshCycle {
-            results: mesh_position.iter().map(result).collect(),
-            mesh_position,
-            ..MeshCycle::default()
-        },
-        face_load: FaceLoad::default(),
-        roots: None,
     }
 }

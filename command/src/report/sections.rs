@@ -6,9 +6,8 @@ use gearmesh::friction::{Loss, ohlendorf};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
 
-use super::{Loads, Variant, evenly};
-use crate::Result;
-use crate::case::{Case, torque_in_words};
+use crate::case::{Case, Variant, torque_in_words};
+use crate::error::Result;
 use crate::page::{Curve, Figure, Height, Map, Patch, Section, charts};
 
 /// Positions over a mesh cycle of the survey: enough for five harmonics and within a few per cent of the peak-to-peak value.
@@ -28,6 +27,22 @@ const POSITION: &str = "mesh position";
 const VISIBLE: f64 = 1.0;
 const LINE_POSITIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 const TRACE_POINTS: usize = 201;
+
+/// Loads at which every variant is shown: those of the operating range of the reported pair.
+pub struct Loads {
+    pub nominal: f64,
+    /// Torques of the curves over the mesh cycle, N m.
+    pub torques: Vec<f64>,
+    pub survey: Vec<f64>,
+    /// Misalignments over their range, rad; empty where there is none.
+    pub tilts: Vec<f64>,
+    pub speeds: Vec<f64>,
+}
+
+pub fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let step = (high - low) / (count as f64 - 1.0);
+    (0..count).map(|i| low + step * i as f64).collect()
+}
 
 /// A quantity over the mesh cycle, a curve for every load; the first point is repeated at 1.
 fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> Vec<Curve> {

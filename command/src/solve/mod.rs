@@ -12,14 +12,16 @@ use gearmesh::pair::Pair;
 use gearmesh::words::{count, rounded};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::storage::csv_reader;
 use serde::Deserialize;
 use serde_json::json;
 
 use crate::case::{Case, LEGEND, details, load, load_matrix, summary, torque_in_words};
 use crate::columns::{Column, Listing, columns, list, rows, table};
+use crate::error::Result;
+use crate::limits;
 use crate::model::{Model, ModelArgs, widen};
 use crate::output::{self, Job};
-use crate::{Result, limits};
 use results::{
     at_positions, largest_tooth, losses, nominal, nominal_stress, notes, positions, root_stress,
 };
@@ -342,14 +344,8 @@ fn curve(path: &Path) -> Result<Deflection> {
         z_mm: f64,
         closing_um: f64,
     }
-    // The reader counts a line only at its \n, after the position of the next one.
-    let text = output::read_text(path)?.replace("\r\n", "\n");
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let mut points = Vec::new();
-    for row in reader.deserialize() {
+    for row in csv_reader(&output::read_text(path)?).deserialize() {
         let Row { z_mm, closing_um } = row?;
         limits::check(Some(closing_um), &(-LARGEST_UM..=LARGEST_UM))
             .map_err(|e| format!("closing_um = {closing_um} at z_mm = {z_mm}: {e}"))?;

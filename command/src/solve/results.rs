@@ -12,9 +12,9 @@ use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, h
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 
-use crate::Result;
 use crate::case::{Case, details, load, summary};
 use crate::columns::{Column, columns, csv, lists, object};
+use crate::error::Result;
 use crate::output;
 
 /// Names of the files in the folder; the last two only where root stress is requested.

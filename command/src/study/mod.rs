@@ -1,5 +1,6 @@
 //! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
+mod setup;
 mod show;
 mod statistics;
 mod variation;
@@ -8,29 +9,21 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
-use gearmesh::contact::ContactSolver;
-use gearmesh::gear::{Flank, tolerance};
+use gearmesh::gear::tolerance;
 use gearmesh::pair::Pair;
-use gearmesh::words::{hex, number, rounded};
-use gearmesh_preprocessor::contact::CycleInput;
+use gearmesh::words::hex;
 use gearmesh_preprocessor::pair::{self, PairDraft};
 use rayon::prelude::*;
-use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::case::{Case, load_matrix};
-use crate::model::{Model, ModelArgs, widen};
-use crate::{Result, limits, output};
+use crate::error::Result;
+use crate::model::{ModelArgs, widen};
+use crate::{limits, output};
+use setup::{FLANK, MOST_CYCLES, Setup};
+use show::Summary;
 pub use show::bands_of;
-use statistics::{Best, BestArgs, Measure, Outcome, Sample, Statistics, outcomes};
-use variation::{Plan, Requested, Variation};
-
-const FLANK: Flank = Flank::Drive;
-
-const MOST_CYCLES: usize = 1_000_000;
-
-/// What can be varied in addition to fields of the pair file.
-const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
+use statistics::{BestArgs, outcomes};
+use variation::{Plan, Requested};
 
 /// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
 ///
@@ -80,40 +73,6 @@ pub struct Study {
 
     #[command(flatten)]
     model: ModelArgs,
-}
-
-/// What study.json holds, and with the setup and all samples what is shown.
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(skip)]
-    setup: &'a Setup,
-    #[serde(skip)]
-    done: Vec<Sample>,
-    pair: &'a str,
-    identity: &'a str,
-    seed: u64,
-    distribution: &'static str,
-    varied: Vec<&'a Variation>,
-    torques_nm: &'a [f64],
-    samples: usize,
-    refused: usize,
-    /// Of the grid, by the measure that was chosen.
-    best: Option<Best>,
-    /// Of the pair as drawn at each torque, then of the best point.
-    statistics: Vec<Statistics>,
-    /// What is to be known of the results, one sentence each; empty where there is nothing.
-    notes: Vec<&'static str>,
-}
-
-/// What a study varies and solves, and how its points are judged.
-pub struct Setup {
-    draft: PairDraft,
-    plan: Plan,
-    torques: Vec<f64>,
-    outcomes: Vec<Outcome>,
-    measure: Measure,
-    seed: u64,
-    positions: usize,
 }
 
 fn class(text: &str) -> Result<u8, String> {
@@ -258,164 +217,4 @@ fn is_begun(summary: &Path, identity: &str) -> Result<bool> {
         );
     }
     Ok(true)
-}
-
-impl Summary<'_> {
-    fn write(&self, path: &Path) -> Result<()> {
-        let text = serde_json::to_string_pretty(self)? + "\n";
-        output::write_whole(path, text.as_bytes())
-    }
-}
-
-/// Whether a load may have `value`; None where `field` is no load.
-fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
-    let range = match field {
-        "torque_nm" => return Some(limits::check_torque(value)),
-        "misalignment_mrad" => limits::MISALIGNMENTS,
-        "center_distance_offset_um" => limits::CENTER_DISTANCE_OFFSETS,
-        _ => return None,
-    };
-    Some(limits::check(Some(value), &range))
-}
-
-impl Setup {
-    /// The pair file with the `values` of varied fields that differ from those as drawn, loads apart.
-    fn changed(&self, values: &[f64]) -> Result<PairDraft> {
-        let mut draft = self.draft.clone();
-        for ((field, drawn), value) in self.plan.fields.iter().zip(values) {
-            if value != drawn && load_limit(field, *value).is_none() {
-                draft.set(field, *value)?;
-            }
-        }
-        Ok(draft)
-    }
-
-    /// Refuses what is not there, what `pair` may not have, what changes the teeth or nothing, and more than can be solved,
-    /// before anything is computed.
-    fn check(&self, pair: &Pair, samples: usize) -> Result<()> {
-        let Setup { plan, torques, .. } = self;
-        // Fields of a grid may need each other.
-        let base = match plan.points() {
-            0 => self.draft.clone(),
-            _ => self.changed(&plan.values(1, 0, 0))?,
-        };
-        for variation in plan.all() {
-            let field = &variation.field;
-            let mut acts = false;
-            let drawn = pair.microgeometry.flank(FLANK);
-            for value in [variation.low, variation.high] {
-                let mut changed = base.clone();
-                for name in variation.fields() {
-                    match load_limit(name, value) {
-                        Some(load) => {
-                            load.map_err(|e| format!("--vary {name} = {}: {e}", number(value)))?;
-                            acts = true;
-                        }
-                        None => changed.set(name, value)?,
-                    }
-                }
-                let found = changed.pair().map_err(|e| format!("--vary {field}: {e}"))?;
-                if found.teeth != pair.teeth {
-                    refuse!(
-                        "--vary {field}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth \
-                         have, {LOADS}"
-                    );
-                }
-                if found.geometry != pair.geometry {
-                    refuse!(
-                        "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
-                         its own; vary modifications, {LOADS}"
-                    );
-                }
-                acts |= found.microgeometry.flank(FLANK) != drawn;
-            }
-            if !acts {
-                refuse!(
-                    "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment \
-                     and centre distance of the command line; vary modifications of that flank, {LOADS}"
-                );
-            }
-        }
-        if (plan.grid.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
-            refuse!(
-                "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
-            );
-        }
-        if plan.is_varied("torque_nm") && torques.len() > 1 {
-            refuse!(
-                "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
-            );
-        }
-        let factors = [plan.points() + 1, samples + 1, torques.len()].into_iter();
-        let count = factors.fold(1, usize::saturating_mul);
-        if let Err(e) = limits::check(Some(count), &(1..=MOST_CYCLES)) {
-            refuse!("points of the grid times samples times torques = {count}: {e}");
-        }
-        Ok(())
-    }
-
-    /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
-    fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
-        let fields = self.plan.values(point, number, self.seed);
-        let outcome = self.solve(pair, model, &fields);
-        Sample {
-            point,
-            number,
-            outcome: outcome.map_err(|error| error.to_string()),
-            fields,
-        }
-    }
-
-    /// The outcomes at each torque of `pair`, whose operating range is widened to what is varied, with the `values` of the fields.
-    fn solve(&self, pair: &Pair, model: &Model, values: &[f64]) -> Result<Vec<Vec<f64>>> {
-        let load = |name: &str| {
-            let index = self.plan.fields.iter().position(|(field, _)| field == name);
-            index.map(|k| values[k])
-        };
-        let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
-        let torque = load("torque_nm").map(|torque| vec![torque]);
-        let loads = load_matrix(&torque.unwrap_or(self.torques.clone()), &[misalignment]);
-        let input = CycleInput {
-            flank: FLANK,
-            torque: loads[0].torque,
-            center_distance_offset: 1e-6 * load("center_distance_offset_um").unwrap_or(0.0),
-            misalignment,
-            positions: self.positions,
-        };
-        let pair = Pair {
-            microgeometry: self.changed(values)?.pair()?.microgeometry,
-            ..pair.clone()
-        };
-        let solver = ContactSolver::new(&pair, model.compliance.clone(), *model.solver.settings())?;
-        let cases = Case::solve_all(&solver, model.fillets.as_ref(), &input, &loads, &|_| ())?;
-        let values = |case: &Case| {
-            let values = self.outcomes.iter().map(|outcome| outcome.number(case));
-            values.map(|v| v.map_or(f64::NAN, rounded)).collect()
-        };
-        Ok(cases.iter().map(values).collect())
-    }
-
-    /// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
-    /// point itself.
-    fn spread(&self, done: &[Sample], point: usize) -> Result<Vec<Statistics>> {
-        let all = || done.iter().filter(|s| s.point == point);
-        let drawn = all().find(|s| s.number == 0);
-        let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
-        if let Err(error) = &drawn.outcome {
-            refuse!("the pair as drawn: {error}");
-        }
-        let is_drawn = all().any(|s| s.number > 0);
-        let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
-        let solved: Vec<&Sample> = solved.collect();
-        if solved.is_empty() {
-            refuse!("no sample could be solved; samples.csv says why");
-        }
-        let mut statistics = Vec::new();
-        for (t, &torque) in self.torques.iter().enumerate() {
-            for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
-                statistics.push(Statistics::new(name, k, (t, torque), drawn, &solved));
-            }
-        }
-        Ok(statistics)
-    }
 }

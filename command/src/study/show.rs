@@ -3,15 +3,16 @@
 use std::path::Path;
 
 use gearmesh::words::{count, fixed, rounded, shown};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::statistics::{Outcome, Sample, Statistics, ascending, outcomes};
+use super::setup::Setup;
+use super::statistics::{Best, Outcome, Sample, Statistics, ascending, outcomes};
 use super::variation::Variation;
-use super::{Setup, Summary};
 use crate::case::torque_in_words;
 use crate::columns::{Listing, columns, table};
+use crate::error::Result;
+use crate::output;
 use crate::page::{Curve, Figure, Height, Map, Page, Section, Style, charts};
-use crate::{Result, output};
 
 const CORRELATIONS: &str = "
 The first correlation is near zero for a field that acts alike in both directions; the second one, of how far the field
@@ -21,7 +22,35 @@ is from its value as drawn, shows it. What fields do together (slopes of both ge
 /// Points of a grid in the table of the best ones.
 const BEST: usize = 10;
 
+/// What study.json holds, and with the setup and all samples what is shown.
+#[derive(Serialize)]
+pub struct Summary<'a> {
+    #[serde(skip)]
+    pub setup: &'a Setup,
+    #[serde(skip)]
+    pub done: Vec<Sample>,
+    pub pair: &'a str,
+    pub identity: &'a str,
+    pub seed: u64,
+    pub distribution: &'static str,
+    pub varied: Vec<&'a Variation>,
+    pub torques_nm: &'a [f64],
+    pub samples: usize,
+    pub refused: usize,
+    /// Of the grid, by the measure that was chosen.
+    pub best: Option<Best>,
+    /// Of the pair as drawn at each torque, then of the best point.
+    pub statistics: Vec<Statistics>,
+    /// What is to be known of the results, one sentence each; empty where there is nothing.
+    pub notes: Vec<&'static str>,
+}
+
 impl Summary<'_> {
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = serde_json::to_string_pretty(self)? + "\n";
+        output::write_whole(path, text.as_bytes())
+    }
+
     pub fn text(&self) -> String {
         let plan = &self.setup.plan;
         let grid = match plan.points() {

@@ -1,16 +1,14 @@
-//! The samples of a study on disk, which make it resume; what many of them say about one result, and the best point of a grid by
-//! a measure that the user chooses.
+//! Results of a sample, what many samples say about one of them, and the measure by which points of a grid are judged.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 
-use super::Setup;
 use crate::case::Case;
-use crate::columns::{Column, columns, csv};
-use crate::{Result, limits, output};
+use crate::columns::{Column, columns};
+use crate::error::Result;
+use crate::limits;
 
 /// A result of a mesh cycle: in samples.csv; with a head also in correlations and charts.
 pub type Outcome = Column<'static, Case>;
@@ -45,90 +43,6 @@ pub struct Sample {
 impl Sample {
     pub fn result(&self, t: usize, k: usize) -> Option<f64> {
         Some(self.outcome.as_ref().ok()?[t][k])
-    }
-}
-
-impl Setup {
-    /// Number, fields, results, and what went wrong if something did.
-    fn columns<'s>(&self) -> Vec<Column<'_, (usize, &'s Sample)>> {
-        let mut all = columns! { |(_, s): &(usize, &Sample)|
-            "point" => s.point;
-            "sample" => s.number;
-        };
-        if self.plan.grid.is_empty() {
-            all.remove(0);
-        }
-        if !self.plan.is_varied("torque_nm") {
-            all.extend(columns! { |(t, _): &(usize, &Sample)| "torque_nm" => self.torques[*t]; });
-        }
-        for (k, (field, _)) in self.plan.fields.iter().enumerate() {
-            all.extend(columns! { |(_, s): &(usize, &Sample)| field => s.fields[k]; });
-        }
-        for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
-            all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
-        }
-        let error = |s: &Sample| s.outcome.as_ref().err().cloned();
-        all.extend(columns! { |(_, s): &(usize, &Sample)| "error" => error(s); });
-        all
-    }
-
-    pub fn write(&self, path: &Path, samples: &[Sample]) -> Result<()> {
-        let rows = |sample| (0..self.torques.len()).map(move |t| (t, sample));
-        let table = csv(&[], &self.columns(), samples, rows)?;
-        output::write_whole(path, &table)
-    }
-
-    /// The samples that are there, none if there is no such file; one of another form is refused.
-    pub fn read(&self, path: &Path) -> Result<Vec<Sample>> {
-        if !path.exists() {
-            return Ok(Vec::new());
-        }
-        let wrong = |what: &str| {
-            let path = path.display();
-            format!("{path}: {what}; name another folder, or begin anew with --restart")
-        };
-        let text = output::read_text(path)?;
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let columns = self.columns();
-        if (reader.headers()?.iter()).ne(columns.iter().map(|column| &*column.name)) {
-            return Err(wrong("columns of another study").into());
-        }
-        let last = columns.len() - 1;
-        let results = last - self.outcomes.len();
-        let fields = results - self.plan.fields.len();
-        let mut samples: Vec<Sample> = Vec::new();
-        for record in reader.records() {
-            let record = record?;
-            let error = &record[last];
-            // A refused sample has no results.
-            let number = |(k, text): (usize, &str)| match text {
-                "" if k >= results && !error.is_empty() => Ok(f64::NAN),
-                _ => (text.parse::<f64>()).map_err(|_| wrong(&format!("`{text}` is no number"))),
-            };
-            let numbers = record.iter().take(last).enumerate().map(number);
-            let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
-            let [point, number] = match self.plan.grid.is_empty() {
-                true => [0, numbers[0] as usize],
-                false => [numbers[0], numbers[1]].map(|number| number as usize),
-            };
-            let found = numbers[results..].to_vec();
-            match samples.last_mut() {
-                // Another torque of the same sample.
-                Some(s) if (s.point, s.number) == (point, number) => {
-                    s.outcome.iter_mut().for_each(|all| all.push(found.clone()));
-                }
-                _ => samples.push(Sample {
-                    point,
-                    number,
-                    fields: numbers[fields..results].into(),
-                    outcome: match error {
-                        "" => Ok(vec![found]),
-                        error => Err(error.into()),
-                    },
-                }),
-            }
-        }
-        Ok(samples)
     }
 }
 
@@ -300,35 +214,6 @@ impl Measure {
             Judged::Mean => Some(all.iter().sum::<f64>() / all.len() as f64),
             _ => all.into_iter().reduce(f64::max),
         }
-    }
-}
-
-impl Setup {
-    /// The points of the grid that have a measure, best first.
-    pub fn ranking(&self, done: &[Sample]) -> Vec<(usize, f64)> {
-        let measured = |point| Some((point, self.measure.of(done, point)?));
-        let mut all: Vec<_> = (1..=self.plan.points()).filter_map(measured).collect();
-        all.sort_by(|a, b| a.1.total_cmp(&b.1));
-        all
-    }
-
-    /// The best point, None where there is no grid; a grid of which no point could be solved is refused.
-    pub fn best(&self, done: &[Sample]) -> Result<Option<Best>> {
-        let Setup { plan, measure, .. } = self;
-        if plan.grid.is_empty() {
-            return Ok(None);
-        }
-        let Some(&(point, value)) = self.ranking(done).first() else {
-            refuse!("no point of the grid could be solved; samples.csv says why");
-        };
-        let fields = plan.fields.iter().map(|(field, _)| field.clone());
-        Ok(Some(Best {
-            point,
-            measure: measure.words.clone(),
-            value,
-            as_drawn: measure.of(done, 0),
-            fields: fields.zip(plan.values(point, 0, 0)).collect(),
-        }))
     }
 }
 

@@ -7,7 +7,8 @@ use gearmesh::words::rounded;
 use gearmesh_preprocessor::pair::PairDraft;
 use serde::Serialize;
 
-use crate::{Result, limits};
+use crate::error::Result;
+use crate::limits;
 
 /// A varied field with the ends of its values.
 #[derive(Debug, Clone, PartialEq, Serialize)]

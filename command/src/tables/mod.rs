@@ -8,20 +8,20 @@ use std::time::Instant;
 
 use clap::Args;
 use gearmesh::contact::{ContactFile, MAXIMUM_ITERATIONS};
-use gearmesh::pair::Pair;
 use gearmesh::table::{TableFile, TeethRecord};
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::import::import_csv;
-use gearmesh_preprocessor::table::{Coverage, WatchedSolver, tilt};
+use gearmesh_preprocessor::table::{WatchedSolver, tilt};
 use serde_json::json;
 
 use crate::columns::{Listing, rows};
+use crate::error::Result;
 use crate::inspect::run_time_error;
 use crate::model::ModelArgs;
+use crate::output;
 use crate::pair_summary::{at_build, modifications};
-use crate::{Result, output};
-use sweeps::{Sweeps, corners, preflight};
+use sweeps::{Sweeps, corners, coverage, preflight};
 
 /// Error of the force, percent rms of the nominal one, from which on tooth pairs one by one are warned of.
 const LARGE_ERROR: f64 = 3.0;
@@ -226,19 +226,6 @@ pub fn compute(
 
 fn seconds_since(begin: Instant) -> String {
     format!("{:.1} s", begin.elapsed().as_secs_f64())
-}
-
-/// The ranges of the pair file, those of centre distance and misalignment where they are `included`.
-fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
-    let o = &pair.operating;
-    let all = [o.center_distance_offset, o.misalignment];
-    let range = |i: usize| Some(all[i]).filter(|[low, high]| included[i] && low < high);
-    Coverage {
-        center_distance_offset: range(0),
-        misalignment: range(1),
-        nominal_torque: o.nominal_torque,
-        maximum_torque: o.maximum_torque,
-    }
 }
 
 /// Make tables of the samples of another contact program.

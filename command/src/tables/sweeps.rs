@@ -19,9 +19,9 @@ use gearmesh_preprocessor::table::{
 };
 
 use crate::case::load_matrix;
+use crate::error::{Error, Result};
 use crate::model::{Model, ModelArgs};
 use crate::output::Job;
-use crate::{Error, Result};
 
 /// Positions of the mesh cycle at which every corner is solved.
 const POSITIONS: usize = 16;
@@ -167,7 +167,7 @@ impl Sweeps<'_> {
             ..settings
         };
         let solver = ContactSolver::new(self.pair, self.model.compliance.clone(), finer)?;
-        let coverage = super::coverage(self.pair, [true; 2]);
+        let coverage = coverage(self.pair, [true; 2]);
         let error = |flank| {
             self.watched("error of contact at run time", |watch| {
                 measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch)
@@ -201,6 +201,19 @@ impl Sweeps<'_> {
             cancel: &AtomicBool::new(false),
         })
         .map_err(Into::into)
+    }
+}
+
+/// The ranges of the pair file, those of centre distance and misalignment where they are `included`.
+pub fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
+    let o = &pair.operating;
+    let all = [o.center_distance_offset, o.misalignment];
+    let range = |i: usize| Some(all[i]).filter(|[low, high]| included[i] && low < high);
+    Coverage {
+        center_distance_offset: range(0),
+        misalignment: range(1),
+        nominal_torque: o.nominal_torque,
+        maximum_torque: o.maximum_torque,
     }
 }
 

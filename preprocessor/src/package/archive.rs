@@ -7,16 +7,17 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use super::PackageError;
+use super::error::PackageError;
 use super::library::runs_on;
 use crate::storage::write_whole;
 use gearmesh::contact::ContactFile;
 use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
-use gearmesh::table::InterpolationError;
 
 /// Writes `files` (name with forward slashes, contents) in the order of their names to `out` and
 /// returns the size. The same files give the same bytes.
 pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, PackageError> {
+    let broken = |error| PackageError::archive(out, error);
+    let unwritten = |error| PackageError::file(out, error);
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // The time is the earliest that zip knows, so that it does not enter the bytes.
     let options = SimpleFileOptions::default()
@@ -27,14 +28,11 @@ pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, Pack
     for (name, bytes) in sorted {
         let is_library = name.starts_with("binaries/");
         let options = options.unix_permissions(if is_library { 0o755 } else { 0o644 });
-        (archive.start_file(name.as_str(), options)).map_err(|e| PackageError::archive(out, e))?;
-        (archive.write_all(bytes)).map_err(|e| PackageError::file(out, e))?;
+        archive.start_file(name.as_str(), options).map_err(broken)?;
+        archive.write_all(bytes).map_err(unwritten)?;
     }
-    let archive = archive
-        .finish()
-        .map_err(|e| PackageError::archive(out, e))?;
-    let archive = archive.into_inner();
-    write_whole(out, &archive).map_err(|e| PackageError::file(out, e))?;
+    let archive = archive.finish().map_err(broken)?.into_inner();
+    write_whole(out, &archive).map_err(unwritten)?;
     Ok(archive.len() as u64)
 }
 
@@ -46,42 +44,16 @@ const DESCRIPTION: &str = "modelDescription.xml";
 /// Most files of an FMU that is looked into; one of gearmesh has about a dozen.
 const MOST_FILES: usize = 10_000;
 
-/// Unpacks the resources of the FMU at `path` into `folder`, as a host would.
-///
-/// # Errors
-/// A file that cannot be read, or resources longer than any that this program packs.
-pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> {
-    let mut archive = opened(path)?;
-    let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
-    for name in names {
-        // Only what lies there itself: no name leads out of `folder`.
-        let last = name.strip_prefix("resources/").filter(|n| is_plain(n));
-        if let Some(last) = last
-            && let Some(bytes) = bytes(&mut archive, path, &name)?
-        {
-            let target = folder.join(last);
-            std::fs::write(&target, bytes).map_err(|e| PackageError::file(&target, e))?;
-        }
-    }
-    Ok(())
-}
-
 /// The archive at `path`, if it is no larger than an FMU is.
 fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
     let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
     let archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
     if archive.len() > MOST_FILES {
-        let problem = format!(
-            "holds {} files, and was not packed by gearmesh",
-            archive.len()
-        );
+        let count = archive.len();
+        let problem = format!("holds {count} files, and was not packed by gearmesh");
         return Err(PackageError::contents(path, problem));
     }
     Ok(archive)
-}
-
-fn is_plain(name: &str) -> bool {
-    !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':'])
 }
 
 /// The file `name` of the `archive` at `path`, if there is one.
@@ -116,8 +88,8 @@ pub struct Inspection {
     pub tables: Option<String>,
     /// Communication step of the default experiment, s.
     pub step_size: f64,
-    /// How far contact at run time is from static contact on more stations, if that was measured.
-    pub contact_error: Option<InterpolationError>,
+    /// The contact at run time, if it is there.
+    pub contact: Option<ContactFile>,
     /// Platforms there are libraries for, in words, each with what its library needs.
     pub platforms: Vec<String>,
     /// Every file with its size in bytes.
@@ -132,9 +104,8 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     let mut archive = opened(path)?;
     let mut files = Vec::new();
     for i in 0..archive.len() {
-        let entry = archive
-            .by_index(i)
-            .map_err(|e| PackageError::archive(path, e))?;
+        let entry = archive.by_index(i);
+        let entry = entry.map_err(|e| PackageError::archive(path, e))?;
         files.push((entry.name().to_owned(), entry.size()));
     }
     let faulty =
@@ -145,26 +116,20 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
         text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh"))
     };
     let unit = format!("resources/{UNIT_FILE}");
-    let found =
-        text(&unit)?.ok_or_else(|| faulty(&unit, "is missing; it was not packed by gearmesh"))?;
+    let missing = || faulty(&unit, "is missing; it was not packed by gearmesh");
+    let found = text(&unit)?.ok_or_else(missing)?;
     let unit = parse_unit(found.as_bytes()).map_err(|reason| faulty(&unit, &reason))?;
     let tables = text(&format!("resources/{TABLES_FILE}"))?;
     let description = text(DESCRIPTION)?.unwrap_or_default();
     let step_size = description.split_once("stepSize=\"");
     let step_size = step_size.and_then(|(_, rest)| rest.split('"').next()?.parse().ok());
-    let step_size =
-        step_size.ok_or_else(|| faulty(DESCRIPTION, "no stepSize in its default experiment"))?;
+    let missing = || faulty(DESCRIPTION, "no stepSize in its default experiment");
     let contact = format!("resources/{CONTACT_FILE}");
-    let contact_error = match bytes(&contact)?.as_deref().map(ContactFile::from_bytes) {
-        Some(found) => found.map_err(|reason| faulty(&contact, &reason))?.error,
-        None => None,
-    };
+    let found = bytes(&contact)?.as_deref().map(ContactFile::from_bytes);
+    let contact = (found.transpose()).map_err(|reason| faulty(&contact, &reason))?;
     let mut platforms = Vec::new();
     for (name, _) in files.iter().filter(|(name, _)| !name.ends_with('/')) {
-        let parts = name
-            .strip_prefix("binaries/")
-            .and_then(|name| name.split_once('/'));
-        if let Some((platform, _)) = parts {
+        if let ["binaries", platform, _, ..] = name.split('/').collect::<Vec<_>>()[..] {
             platforms.push(runs_on(platform, &bytes(name)?.unwrap_or_default()));
         }
     }
@@ -172,8 +137,8 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     Ok(Inspection {
         unit,
         tables,
-        step_size,
-        contact_error,
+        step_size: step_size.ok_or_else(missing)?,
+        contact,
         platforms,
         files,
     })

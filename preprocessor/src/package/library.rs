@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::PackageError;
+use super::error::PackageError;
 
 /// File names of the library as cargo gives them on Linux, Windows and macOS.
 const NAMES: [&str; 3] = ["libgearmesh.so", "gearmesh.dll", "libgearmesh.dylib"];
@@ -91,9 +91,8 @@ fn platform(bytes: &[u8]) -> Option<&'static str> {
         let header = bytes.get(at..at.checked_add(6)?)?;
         return (header[..4] == *b"PE\0\0" && header[4..] == X86_64_PE).then_some("win64");
     }
-    bytes
-        .starts_with(&[0xcf, 0xfa, 0xed, 0xfe])
-        .then_some("darwin64")
+    let is_mach = bytes.starts_with(&[0xcf, 0xfa, 0xed, 0xfe]);
+    is_mach.then_some("darwin64")
 }
 
 /// The libraries in the folder of the program `executable`: cargo leaves the one of its own platform there
@@ -102,17 +101,14 @@ fn platform(bytes: &[u8]) -> Option<&'static str> {
 /// # Errors
 /// There is none, or one of them is not usable.
 pub fn libraries_beside(executable: &Path) -> Result<Vec<Library>, PackageError> {
-    let found = NAMES
-        .map(|name| executable.with_file_name(name))
-        .into_iter()
-        .filter(|path| path.exists())
-        .map(|path| Library::read(&path))
-        .collect::<Result<Vec<_>, _>>()?;
+    let paths = NAMES.map(|name| executable.with_file_name(name));
+    let found = paths.iter().filter(|path| path.exists());
+    let found: Vec<Library> = found
+        .map(|path| Library::read(path))
+        .collect::<Result<_, _>>()?;
     if found.is_empty() {
-        return Err(PackageError::contents(
-            &executable.with_file_name(NAMES[0]),
-            "no library of the FMU is there; build it with cargo build --release, or name one with --library",
-        ));
+        let reason = "no library of the FMU is there; build it with cargo build --release, or name one with --library";
+        return Err(PackageError::contents(&paths[0], reason));
     }
     Ok(found)
 }

@@ -7,6 +7,7 @@ mod archive;
 mod documentation;
 mod driven;
 mod dynamics;
+mod error;
 mod library;
 mod starts;
 
@@ -15,10 +16,11 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-pub use archive::{Inspection, inspect, unpack_resources};
+pub use archive::{Inspection, inspect};
 pub use documentation::start_in_words;
 pub use driven::step_error;
 pub use dynamics::{MeshDynamics, theoretical_pair_stiffness};
+pub use error::PackageError;
 pub use library::{Library, libraries_beside};
 pub use starts::{Setting, Starts};
 
@@ -55,34 +57,6 @@ pub struct Packed {
     pub platforms: Vec<String>,
 }
 
-/// Why an FMU could not be packed or read: a file that cannot be read or written or is not what it should be, or start values
-/// that no host could start with.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct PackageError(String);
-
-impl PackageError {
-    fn file(path: &Path, source: std::io::Error) -> Self {
-        let remedy = "name a file that can be read, or a folder that can be written";
-        PackageError::contents(path, format!("{source}; {remedy}"))
-    }
-
-    fn archive(path: &Path, source: zip::result::ZipError) -> Self {
-        let remedy = "name an FMU that `gearmesh pack` or `gearmesh build` wrote, or pack it again";
-        PackageError::contents(path, format!("{source}; {remedy}"))
-    }
-
-    fn contents(path: &Path, reason: impl std::fmt::Display) -> Self {
-        PackageError(format!("{}: {reason}", path.display()))
-    }
-
-    fn starts(reason: &str) -> Self {
-        PackageError(format!(
-            "the FMU does not start with these values: {reason}"
-        ))
-    }
-}
-
 /// Packs `contents` with the compiled `libraries`, one per platform, into the file `out`.
 ///
 /// The file appears whole or not at all.
@@ -113,15 +87,13 @@ pub fn pack(
         (TABLES_FILE, tables.map(String::into_bytes)),
         (CONTACT_FILE, contact),
     ];
-    let named = resources
-        .into_iter()
-        .filter_map(|(name, bytes)| Some((format!("resources/{name}"), bytes?)));
-    let mut files: Vec<(String, Vec<u8>)> = named.collect();
+    let named = |(name, bytes): (&str, Option<_>)| Some((format!("resources/{name}"), bytes?));
+    let mut files: Vec<(String, Vec<u8>)> = resources.into_iter().filter_map(named).collect();
     // The FMU starts here as it will in a host.
     let resources = Resources::new(unit, table_file.cloned(), contents.contact.cloned());
     let resources = Arc::new(resources.map_err(|reason| PackageError::starts(&reason))?);
-    let example = driven::example_signals(&resources)
-        .map_err(|refusal| PackageError::starts(&refusal.message))?;
+    let example = driven::example_signals(&resources);
+    let example = example.map_err(|refusal| PackageError::starts(&refusal.message))?;
     let dynamics = contents.starts.dynamics(contents.geometry);
     let description = Description {
         unit: &resources.unit,
@@ -131,15 +103,14 @@ pub fn pack(
         example,
     };
     files.extend(description.files());
-    for (i, library) in libraries.iter().enumerate() {
-        let platform = library.platform;
-        let mut others = libraries[..i].iter();
-        if others.any(|other| other.platform == platform) {
+    for library in libraries {
+        let (platform, extension) = (library.platform, library.extension());
+        let name = format!("binaries/{platform}/{MODEL_IDENTIFIER}.{extension}");
+        if files.iter().any(|(other, _)| *other == name) {
             let reason = format!("a second library for {platform}; give one");
             return Err(PackageError::contents(&library.path, reason));
         }
-        let name = format!("{MODEL_IDENTIFIER}.{}", library.extension());
-        files.push((format!("binaries/{platform}/{name}"), library.bytes.clone()));
+        files.push((name, library.bytes.clone()));
     }
     let bytes = archive::write(&files, out)?;
     Ok(Packed {

@@ -1,8 +1,7 @@
 //! Centre distance and backlash: how far the gears stand apart, and by how much their teeth are thinned.
 
-use super::checks::{about, remedy};
+use super::checks::{Refusal, about, ensure, remedy};
 use super::file::{MM, PairFile, UM};
-use super::{Refusal, ensure};
 use gearmesh::gear::{PairGeometry, inverse_involute, involute};
 use gearmesh::words::{fixed, rounded};
 

@@ -1,8 +1,45 @@
-//! What can be said of each number of the file on its own, before any geometry is built from it.
+//! Refusals, and what can be said of each number of the file on its own, before any geometry is built from it.
 
 use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
-use super::{Refusal, ensure, refusal};
 use gearmesh::words::{number, rounded};
+
+/// One value that cannot be, and what to do about it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("pair file: `{field}` = {value}: {problem}; {remedy}")]
+pub struct Refusal {
+    /// Path of the field, such as `gear1.teeth`.
+    pub field: String,
+    /// The value given, or the default that stood in for it, in the unit of the field.
+    pub value: String,
+    /// What is wrong with it.
+    pub problem: String,
+    /// What to change.
+    pub remedy: String,
+}
+
+/// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.
+macro_rules! refusal {
+    ($field:expr => $value:expr; $problem:literal $(, $p:expr)*; $remedy:literal $(, $r:expr)*) => {
+        $crate::pair::checks::Refusal {
+            field: String::from($field),
+            value: gearmesh::words::shown(&($value).to_string()),
+            problem: format!($problem $(, $p)*),
+            remedy: format!($remedy $(, $r)*),
+        }
+    };
+}
+
+/// Returns the [`refusal!`] of a value unless it is fine; a comparison with NaN is not.
+macro_rules! ensure {
+    ($fine:expr, $($refusal:tt)*) => {
+        let is_fine: bool = $fine;
+        if !is_fine {
+            return Err($crate::pair::checks::refusal!($($refusal)*));
+        }
+    };
+}
+
+pub(super) use {ensure, refusal};
 
 /// The least number above 0.
 pub(super) const ABOVE_0: f64 = f64::MIN_POSITIVE;

@@ -3,10 +3,9 @@
 
 use std::f64::consts::PI;
 
-use super::checks::in_gear;
+use super::checks::{Refusal, ensure, in_gear, refusal};
 use super::file::{Dimension, GearFile, MM, PairFile, UM};
 use super::gears::{set_circles, unshifted};
-use super::{Refusal, ensure, refusal};
 use gearmesh::gear::{Gear, GearKind, inverse_involute, involute};
 use gearmesh::words::{fixed, rounded};
 
@@ -113,6 +112,15 @@ pub fn generating_profile_shift(gear: &Gear, thickness: f64) -> f64 {
 /// Lead p_z, m, > 0 right-handed; infinite for spur teeth.
 pub fn lead(gear: &Gear) -> f64 {
     gear.hand * gear.z() * PI * gear.normal_module / gear.helix_angle.sin()
+}
+
+/// In words: spur, right or left.
+pub fn hand(gear: &Gear) -> &'static str {
+    match (gear.helix_angle > 0.0, gear.hand > 0.0) {
+        (false, _) => "spur",
+        (true, true) => "right",
+        (true, false) => "left",
+    }
 }
 
 /// With what the tooth thickness of a gear is measured.

@@ -4,13 +4,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::checks::{STEEPEST, about, check, in_gear, limits, remedy};
+use super::checks::{Refusal, STEEPEST, about, check, ensure, in_gear, limits, refusal, remedy};
 use super::file::{
     EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, ToothErrorsFile, ToothFlank,
     UM,
 };
 use super::mesh::short_tooth;
-use super::{Refusal, ensure, refusal, text};
+use super::text;
+use crate::storage::csv_reader;
 use gearmesh::gear::tolerance::{CLASSES, random_index_errors};
 use gearmesh::gear::{
     BothFlanks, EndRelief, Flank, Gear, Microgeometry, OwnFlank, PairGeometry, PairMicrogeometry,
@@ -264,12 +265,7 @@ const GRID: &str = "give CSV with a header and commas between its columns, roll_
 
 /// The grid in `text`, or what is wrong with it.
 fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
-    // The reader counts a line only at its \n, after the place of the next one.
-    let text = text.replace("\r\n", "\n");
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+    let mut reader = csv_reader(text);
     let broken = |error: csv::Error| error.to_string();
     let header = reader.headers().map_err(broken)?.clone();
     let column = |name: &str| header.iter().position(|h| h == name);

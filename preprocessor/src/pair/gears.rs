@@ -1,8 +1,9 @@
 //! A gear of the file on its own: teeth as its fields have them, rim, web and hub, and what a ring rests on.
 
-use super::checks::{ABOVE_0, about, check, check_with_usual, in_gear, limits, meant};
+use super::checks::{
+    ABOVE_0, Refusal, about, check, check_with_usual, ensure, in_gear, limits, meant, refusal,
+};
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
-use super::{Refusal, ensure, refusal};
 use gearmesh::gear::{
     Body, Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, Stub, ToothProfile,
     inverse_involute,

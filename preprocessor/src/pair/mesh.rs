@@ -1,9 +1,8 @@
 //! What can only be said of the gears as built and of the pair in mesh.
 
-use super::checks::{in_gear, note, remedy};
+use super::checks::{Refusal, ensure, in_gear, note, refusal, remedy};
 use super::file::{MM, PairFile, UM};
 use super::gears::{self, tip_field, usual_tip_radius};
-use super::{Refusal, ensure, refusal};
 use gearmesh::gear::{Gear, GearKind, PairGeometry, ToothProfile, involute};
 use gearmesh::words::{number, rounded};
 

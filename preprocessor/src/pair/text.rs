@@ -2,13 +2,40 @@
 //! byte-order mark are allowed, and what is wrong with it in the words of its author.
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::PairError;
+use super::checks::Refusal;
 use super::file::{FrictionFile, GearFile, OperatingFile, PairFile, ToothErrorsFile};
 use gearmesh::words::shown;
+
+/// A pair file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PairError {
+    /// The file cannot be read.
+    #[error(
+        "cannot read the pair file {}: {source}; name a pair file that exists and that you may read",
+        path.display()
+    )]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// Not JSON, or JSON of another form: unknown or missing field, wrong type.
+    #[error("pair file, at `{field}`: {message}; docs/pair-file.md has every field and its form")]
+    Form {
+        /// Path of the field, such as `gear1.tip_relief.shape`; `.` is the whole file.
+        field: String,
+        /// What is wrong, the names expected, line and column.
+        message: String,
+    },
+    /// Well-formed, but no gear pair that works.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
 
 /// Longest pair file or topography, bytes.
 const LONGEST: u64 = 4 << 20;

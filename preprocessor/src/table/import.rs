@@ -4,6 +4,7 @@
 //! A sample gives the displacement under a load; the table wants the load at a displacement. Each line of samples over the torque
 //! is inverted by a monotone cubic (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246), so a line must rise strictly.
 
+use crate::storage::csv_reader;
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Axes, FlankGrid, TableError};
 use gearmesh::words::{rounded, shown};
@@ -259,12 +260,7 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
 }
 
 fn parse(text: &str) -> Result<Vec<Row>, TableError> {
-    // The reader counts a line only at its \n, after the place of the next one.
-    let text = text.replace("\r\n", "\n");
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(text.as_bytes());
+    let mut reader = csv_reader(text);
     let unreadable = |error: csv::Error| TableError::Failed(format!("samples: {error}"));
     let header = reader.headers().map_err(unreadable)?.clone();
     let is_known_once = |name: &&str| {

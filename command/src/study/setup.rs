@@ -1,0 +1,298 @@
+//! What a study varies and solves: its samples, which are kept on disk so that it goes on where it was stopped.
+
+use std::path::Path;
+
+use gearmesh::contact::ContactSolver;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::words::{number, rounded};
+use gearmesh_preprocessor::contact::CycleInput;
+use gearmesh_preprocessor::pair::PairDraft;
+
+use super::statistics::{Best, Measure, Outcome, Sample, Statistics};
+use super::variation::Plan;
+use crate::case::{Case, load_matrix};
+use crate::columns::{Column, columns, csv};
+use crate::error::Result;
+use crate::model::Model;
+use crate::{limits, output};
+
+pub const FLANK: Flank = Flank::Drive;
+
+pub const MOST_CYCLES: usize = 1_000_000;
+
+/// What can be varied in addition to fields of the pair file.
+const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
+
+/// What a study varies and solves, and how its points are judged.
+pub struct Setup {
+    pub draft: PairDraft,
+    pub plan: Plan,
+    pub torques: Vec<f64>,
+    pub outcomes: Vec<Outcome>,
+    pub measure: Measure,
+    pub seed: u64,
+    pub positions: usize,
+}
+
+/// Whether a load may have `value`; None where `field` is no load.
+fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
+    let range = match field {
+        "torque_nm" => return Some(limits::check_torque(value)),
+        "misalignment_mrad" => limits::MISALIGNMENTS,
+        "center_distance_offset_um" => limits::CENTER_DISTANCE_OFFSETS,
+        _ => return None,
+    };
+    Some(limits::check(Some(value), &range))
+}
+
+impl Setup {
+    /// The pair file with the `values` of varied fields that differ from those as drawn, loads apart.
+    pub fn changed(&self, values: &[f64]) -> Result<PairDraft> {
+        let mut draft = self.draft.clone();
+        for ((field, drawn), value) in self.plan.fields.iter().zip(values) {
+            if value != drawn && load_limit(field, *value).is_none() {
+                draft.set(field, *value)?;
+            }
+        }
+        Ok(draft)
+    }
+
+    /// Refuses what is not there, what `pair` may not have, what changes the teeth or nothing, and more than can be solved,
+    /// before anything is computed.
+    pub fn check(&self, pair: &Pair, samples: usize) -> Result<()> {
+        let Setup { plan, torques, .. } = self;
+        // Fields of a grid may need each other.
+        let base = match plan.points() {
+            0 => self.draft.clone(),
+            _ => self.changed(&plan.values(1, 0, 0))?,
+        };
+        for variation in plan.all() {
+            let field = &variation.field;
+            let mut acts = false;
+            let drawn = pair.microgeometry.flank(FLANK);
+            for value in [variation.low, variation.high] {
+                let mut changed = base.clone();
+                for name in variation.fields() {
+                    match load_limit(name, value) {
+                        Some(load) => {
+                            load.map_err(|e| format!("--vary {name} = {}: {e}", number(value)))?;
+                            acts = true;
+                        }
+                        None => changed.set(name, value)?,
+                    }
+                }
+                let found = changed.pair().map_err(|e| format!("--vary {field}: {e}"))?;
+                if found.teeth != pair.teeth {
+                    refuse!(
+                        "--vary {field}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth \
+                         have, {LOADS}"
+                    );
+                }
+                if found.geometry != pair.geometry {
+                    refuse!(
+                        "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
+                         its own; vary modifications, {LOADS}"
+                    );
+                }
+                acts |= found.microgeometry.flank(FLANK) != drawn;
+            }
+            if !acts {
+                refuse!(
+                    "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment \
+                     and centre distance of the command line; vary modifications of that flank, {LOADS}"
+                );
+            }
+        }
+        if (plan.grid.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
+            refuse!(
+                "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
+            );
+        }
+        if plan.is_varied("torque_nm") && torques.len() > 1 {
+            refuse!(
+                "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
+            );
+        }
+        let factors = [plan.points() + 1, samples + 1, torques.len()].into_iter();
+        let count = factors.fold(1, usize::saturating_mul);
+        if let Err(e) = limits::check(Some(count), &(1..=MOST_CYCLES)) {
+            refuse!("points of the grid times samples times torques = {count}: {e}");
+        }
+        Ok(())
+    }
+
+    /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
+    pub fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
+        let fields = self.plan.values(point, number, self.seed);
+        let outcome = self.solve(pair, model, &fields);
+        Sample {
+            point,
+            number,
+            outcome: outcome.map_err(|error| error.to_string()),
+            fields,
+        }
+    }
+
+    /// The outcomes at each torque of `pair`, whose operating range is widened to what is varied, with the `values` of the fields.
+    fn solve(&self, pair: &Pair, model: &Model, values: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let load = |name: &str| {
+            let index = self.plan.fields.iter().position(|(field, _)| field == name);
+            index.map(|k| values[k])
+        };
+        let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
+        let torque = load("torque_nm").map(|torque| vec![torque]);
+        let loads = load_matrix(&torque.unwrap_or(self.torques.clone()), &[misalignment]);
+        let input = CycleInput {
+            flank: FLANK,
+            torque: loads[0].torque,
+            center_distance_offset: 1e-6 * load("center_distance_offset_um").unwrap_or(0.0),
+            misalignment,
+            positions: self.positions,
+        };
+        let pair = Pair {
+            microgeometry: self.changed(values)?.pair()?.microgeometry,
+            ..pair.clone()
+        };
+        let solver = ContactSolver::new(&pair, model.compliance.clone(), *model.solver.settings())?;
+        let cases = Case::solve_all(&solver, model.fillets.as_ref(), &input, &loads, &|_| ())?;
+        let values = |case: &Case| {
+            let values = self.outcomes.iter().map(|outcome| outcome.number(case));
+            values.map(|v| v.map_or(f64::NAN, rounded)).collect()
+        };
+        Ok(cases.iter().map(values).collect())
+    }
+
+    /// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
+    /// point itself.
+    pub fn spread(&self, done: &[Sample], point: usize) -> Result<Vec<Statistics>> {
+        let all = || done.iter().filter(|s| s.point == point);
+        let drawn = all().find(|s| s.number == 0);
+        let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
+        if let Err(error) = &drawn.outcome {
+            refuse!("the pair as drawn: {error}");
+        }
+        let is_drawn = all().any(|s| s.number > 0);
+        let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
+        let solved: Vec<&Sample> = solved.collect();
+        if solved.is_empty() {
+            refuse!("no sample could be solved; samples.csv says why");
+        }
+        let mut statistics = Vec::new();
+        for (t, &torque) in self.torques.iter().enumerate() {
+            for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
+                statistics.push(Statistics::new(name, k, (t, torque), drawn, &solved));
+            }
+        }
+        Ok(statistics)
+    }
+
+    /// Number, fields, results, and what went wrong if something did.
+    fn columns<'s>(&self) -> Vec<Column<'_, (usize, &'s Sample)>> {
+        let mut all = columns! { |(_, s): &(usize, &Sample)|
+            "point" => s.point;
+            "sample" => s.number;
+        };
+        if self.plan.grid.is_empty() {
+            all.remove(0);
+        }
+        if !self.plan.is_varied("torque_nm") {
+            all.extend(columns! { |(t, _): &(usize, &Sample)| "torque_nm" => self.torques[*t]; });
+        }
+        for (k, (field, _)) in self.plan.fields.iter().enumerate() {
+            all.extend(columns! { |(_, s): &(usize, &Sample)| field => s.fields[k]; });
+        }
+        for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
+            all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
+        }
+        let error = |s: &Sample| s.outcome.as_ref().err().cloned();
+        all.extend(columns! { |(_, s): &(usize, &Sample)| "error" => error(s); });
+        all
+    }
+
+    pub fn write(&self, path: &Path, samples: &[Sample]) -> Result<()> {
+        let rows = |sample| (0..self.torques.len()).map(move |t| (t, sample));
+        let table = csv(&[], &self.columns(), samples, rows)?;
+        output::write_whole(path, &table)
+    }
+
+    /// The samples that are there, none if there is no such file; one of another form is refused.
+    pub fn read(&self, path: &Path) -> Result<Vec<Sample>> {
+        if !path.exists() {
+            return Ok(Vec::new());
+        }
+        let wrong = |what: &str| {
+            let path = path.display();
+            format!("{path}: {what}; name another folder, or begin anew with --restart")
+        };
+        let text = output::read_text(path)?;
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let columns = self.columns();
+        if (reader.headers()?.iter()).ne(columns.iter().map(|column| &*column.name)) {
+            return Err(wrong("columns of another study").into());
+        }
+        let last = columns.len() - 1;
+        let results = last - self.outcomes.len();
+        let fields = results - self.plan.fields.len();
+        let mut samples: Vec<Sample> = Vec::new();
+        for record in reader.records() {
+            let record = record?;
+            let error = &record[last];
+            // A refused sample has no results.
+            let number = |(k, text): (usize, &str)| match text {
+                "" if k >= results && !error.is_empty() => Ok(f64::NAN),
+                _ => (text.parse::<f64>()).map_err(|_| wrong(&format!("`{text}` is no number"))),
+            };
+            let numbers = record.iter().take(last).enumerate().map(number);
+            let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+            let [point, number] = match self.plan.grid.is_empty() {
+                true => [0, numbers[0] as usize],
+                false => [numbers[0], numbers[1]].map(|number| number as usize),
+            };
+            let found = numbers[results..].to_vec();
+            match samples.last_mut() {
+                // Another torque of the same sample.
+                Some(s) if (s.point, s.number) == (point, number) => {
+                    s.outcome.iter_mut().for_each(|all| all.push(found.clone()));
+                }
+                _ => samples.push(Sample {
+                    point,
+                    number,
+                    fields: numbers[fields..results].into(),
+                    outcome: match error {
+                        "" => Ok(vec![found]),
+                        error => Err(error.into()),
+                    },
+                }),
+            }
+        }
+        Ok(samples)
+    }
+
+    /// The points of the grid that have a measure, best first.
+    pub fn ranking(&self, done: &[Sample]) -> Vec<(usize, f64)> {
+        let measured = |point| Some((point, self.measure.of(done, point)?));
+        let mut all: Vec<_> = (1..=self.plan.points()).filter_map(measured).collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all
+    }
+
+    /// The best point, None where there is no grid; a grid of which no point could be solved is refused.
+    pub fn best(&self, done: &[Sample]) -> Result<Option<Best>> {
+        let Setup { plan, measure, .. } = self;
+        if plan.grid.is_empty() {
+            return Ok(None);
+        }
+        let Some(&(point, value)) = self.ranking(done).first() else {
+            refuse!("no point of the grid could be solved; samples.csv says why");
+        };
+        let fields = plan.fields.iter().map(|(field, _)| field.clone());
+        Ok(Some(Best {
+            point,
+            measure: measure.words.clone(),
+            value,
+            as_drawn: measure.of(done, 0),
+            fields: fields.zip(plan.values(point, 0, 0)).collect(),
+        }))
+    }
+}

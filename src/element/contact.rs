@@ -1,22 +1,120 @@
 //! From poses and velocities to loads: both flanks under load, each with its elastic force, damper and friction.
-//!
-//! Tables know small departures from the nominal position. Gears that are pulled apart, radially or
-//! along their axes, must still end without force, and without a jump on the way. So the potential of
-//! each flank is multiplied by a factor ([`Engagement`]) that is one as long as at least half of the nominal face
-//! overlap and half of the path of contact (at most half a base pitch of it) are left, and zero
-//! where nothing is left; between them a quintic step, C2. Its slopes enter the loads, so energy is
-//! kept on the way out, too.
 
 use super::constants::{Constants, FLANKS};
-use super::dual::{Scalar, fraction, lift, whole_turns, wrap};
+use super::dual::{Scalar, fraction, whole_turns, wrap};
+use super::engagement::Engagement;
+use super::flank::FlankLoad;
+use super::friction::Friction;
 use super::kinematics::{Coordinates, Map};
-use super::law::{Extras, Workspace};
+use super::law::{Extras, Law, Workspace};
 use super::motion::{ElementError, Inputs, Motion, Outputs, PhaseOffset};
 use super::paper::Carried;
-use super::{Element, Formulation, Parameters};
+use super::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 use crate::gear::teeth::Counts;
-use crate::table::{Effects, LoadJet, LoadSpline, Table};
+use crate::table::Table;
 use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// The contact element of one gear pair. Immutable: instances can share it between threads.
+#[derive(Clone)]
+pub struct Element {
+    pub(super) constants: Constants,
+    pub(super) parameters: Parameters,
+    pub(super) laws: [Option<Law>; 2],
+    pub(super) friction: Option<Friction>,
+    /// Index of the flank that phases and transmission error refer to.
+    pub(super) reference_flank: usize,
+}
+
+impl Element {
+    /// The table of its laws, if they are on one.
+    #[inline(always)]
+    pub(super) fn table(&self) -> Option<&Arc<Table>> {
+        self.laws.iter().flatten().find_map(Law::table)
+    }
+
+    /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual
+    /// operating pitch circle.
+    #[inline(always)]
+    fn law_scale<T: Scalar>(&self, cos_phi: T) -> T {
+        let p = &self.parameters;
+        if p.formulation == Formulation::Paper && p.stiffness_model == StiffnessModel::Constant {
+            let ratio = cos_phi.recip() * self.constants.cos_phi;
+            ratio * ratio
+        } else {
+            T::from(1.0)
+        }
+    }
+
+    /// Whether a flank is pressed by more than half of what fits between the gap and the tooth behind: no load does that,
+    /// and twice as far the tooth behind pushes the other way.
+    /// Errors: it is, and one flank alone can carry: the gears have turned back through the flank that is missing.
+    fn have_passed(&self, penetration: f64, half_gap: f64) -> Result<bool, ElementError> {
+        let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
+        let passed = penetration > limit;
+        if passed && self.parameters.loaded_flank != LoadedFlank::Both {
+            let (flank, sign) = match self.parameters.loaded_flank {
+                LoadedFlank::Coast => ("coast", -1.0),
+                _ => ("drive", 1.0),
+            };
+            return Err(ElementError(format!(
+                "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
+                 back from this flank, and they have come to the tooth behind: set loadedFlank = both{}",
+                1e3 * penetration,
+                self.phase_remedy(sign * penetration)
+            )));
+        }
+        Ok(passed)
+    }
+
+    /// Force of the damper, N, on the line of action, beside the elastic force `elastic` > 0 while the flanks approach at
+    /// `rate`, m/s. It has the sign of the rate at every state, so that its power -f rate is never positive,
+    /// and never pulls by more than the flanks press: the sum of both forces is >= 0.
+    ///
+    /// Conjugate: r c rate, r the cubic step of Adams' IMPACT function (MSC Software, Adams/Solver guide, "IMPACT")
+    /// with force in place of penetration, so that teeth that meet feel no jump. Where the flanks part so fast that it would take
+    /// off more than half of the elastic force, it takes off y - (y - 1/2)^2 / 2 of it in place of y, and all from y = 3/2
+    /// on: the force has a continuous slope. Paper: the constant c of (8), c rate / cos^2(phi), cut off.
+    #[inline(always)]
+    pub(super) fn damping<T: Scalar>(&self, elastic: T, rate: T, cos_phi: T) -> T {
+        let (p, k) = (&self.parameters, &self.constants);
+        if p.formulation == Formulation::Paper {
+            let force = rate * p.damping / (cos_phi * cos_phi);
+            return if force.re() > -elastic.re() {
+                force
+            } else {
+                -elastic
+            };
+        }
+        let share = elastic * (1.0 / (p.damping_onset * k.nominal_force));
+        let ramp = if share.re() < 1.0 {
+            share * share * (-share * 2.0 + 3.0)
+        } else {
+            T::from(1.0)
+        };
+        let force = ramp * rate * (p.damping / k.cos_phi.powi(2));
+        if force.re() >= -0.5 * elastic.re() {
+            return force;
+        }
+        let taken = -force / elastic;
+        if taken.re() >= 1.5 {
+            return -elastic;
+        }
+        let beyond = taken - 0.5;
+        -elastic * (taken - beyond * beyond * 0.5)
+    }
+
+    /// What else helps teeth that stand where the body frames say and overlap on the line of action, by `x` (m) in the turn of gear 1.
+    pub(super) fn phase_remedy(&self, x: f64) -> String {
+        let turn = -x / self.constants.rb[0];
+        match self.parameters.phase_reference {
+            PhaseReference::FromInitialPose => String::new(),
+            PhaseReference::Absolute => {
+                format!(", turn gear 1 by {turn:+.3e} rad, or set phaseReference = fromInitialPose")
+            }
+        }
+    }
+}
 
 /// A pose as the formulation sees it.
 pub(crate) struct Pose<T> {
@@ -78,17 +176,12 @@ impl<T: Scalar> Pose<T> {
     #[inline(always)]
     fn unloaded(&self, k: &Constants, i: usize, x: T, phase: &PhaseOffset<T>) -> FlankLoad<T> {
         let sign = FLANKS[i].sign();
-        let zero = T::from(0.0);
         FlankLoad {
             sign,
             penetration: x * sign - self.coordinates.half_gap,
             misalignment: self.misalignment(i),
             mesh_position: fraction(self.mesh_position(k, i) + phase.mesh_position * sign),
-            elastic: zero,
-            arm: zero,
-            damping: zero,
-            energy: zero,
-            stiffness: zero,
+            ..FlankLoad::default()
         }
     }
 
@@ -97,127 +190,6 @@ impl<T: Scalar> Pose<T> {
     pub(crate) fn misalignment(&self, i: usize) -> T {
         let [even, odd] = self.coordinates.misalignment;
         even + odd * FLANKS[i].sign()
-    }
-}
-
-/// Loads of one flank.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct FlankLoad<T> {
-    /// +1 drive, -1 coast.
-    pub sign: f64,
-    /// Penetration of the unmodified involutes that counts as transmission error, s x - H, m.
-    pub penetration: T,
-    /// Misalignment, rad.
-    pub misalignment: T,
-    /// Position on the mesh cycle, 0..1.
-    pub mesh_position: T,
-    /// Elastic force on the line of action dU/d delta, N, >= 0; zero: no contact.
-    pub elastic: T,
-    /// z_c - z_ref, m; zero out of contact.
-    pub arm: T,
-    /// Force of the damper on the line of action, N, >= -`elastic`.
-    damping: T,
-    /// Elastic energy U, J.
-    energy: T,
-    /// Elastic tangent stiffness on the line of action, N/m.
-    stiffness: T,
-}
-
-impl<T: Scalar> FlankLoad<T> {
-    /// Total force on the line of action, N, >= 0.
-    #[inline(always)]
-    pub(crate) fn force(&self) -> T {
-        self.elastic + self.damping
-    }
-
-    /// The quantities of a table over elastic force, centre distance offset (m), misalignment and mesh position, without the
-    /// `effects` that are off. `mirrored`: the table is that of the drive flank, and this the coast flank.
-    #[inline(always)]
-    pub(crate) fn tabulated<const N: usize>(
-        &self,
-        (table, mirrored): (&LoadSpline, bool),
-        effects: &Effects,
-        center_distance_offset: T,
-    ) -> [T; N] {
-        let zero = T::from(0.0);
-        let if_on = |effect: bool, x: T| if effect { x } else { zero };
-        let sign = if mirrored { -1.0 } else { 1.0 };
-        let q = [
-            self.elastic,
-            if_on(effects.center_distance, center_distance_offset),
-            if_on(effects.misalignment, self.misalignment * sign),
-            self.mesh_position,
-        ];
-        let jets: [LoadJet; N] = table.evaluate(q.map(T::re));
-        jets.map(|jet| lift(jet.value, &jet.gradient, &q))
-    }
-}
-
-/// Damper on the line of action.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Damper {
-    /// Rises with the elastic force: teeth that meet feel no jump. N s/m, and the force, N, from which on it
-    /// acts in full.
-    Rising { coefficient: f64, full_at: f64 },
-    /// The constant c of the paper's (8), N s/m tangential.
-    Constant { tangential: f64 },
-}
-
-impl Damper {
-    /// That of the formulation.
-    pub(crate) fn new(p: &Parameters, k: &Constants) -> Self {
-        match p.formulation {
-            Formulation::Conjugate => Damper::Rising {
-                coefficient: p.damping / k.cos_phi.powi(2),
-                full_at: p.damping_onset * k.nominal_force,
-            },
-            Formulation::Paper => Damper::Constant {
-                tangential: p.damping,
-            },
-        }
-    }
-
-    /// Force of the damper, N, on the line of action, beside the elastic force `elastic` > 0 while the flanks approach at
-    /// `rate`, m/s. It has the sign of the rate at every state, so that its power -f rate is never positive,
-    /// and never pulls by more than the flanks press: the sum of both forces is >= 0.
-    ///
-    /// Rising: r c rate, r the cubic step of Adams' IMPACT function (MSC Software, Adams/Solver guide, "IMPACT")
-    /// with force in place of penetration. Where the flanks part so fast that it would take off more than
-    /// half of the elastic force, it takes off y - (y - 1/2)^2 / 2 of it in place of y, and all from y = 3/2
-    /// on: the force has a continuous slope. Constant: c rate / cos^2(phi), cut off as in the paper.
-    #[inline(always)]
-    pub(crate) fn force<T: Scalar>(&self, elastic: T, rate: T, cos_phi: T) -> T {
-        match *self {
-            Damper::Rising {
-                coefficient,
-                full_at,
-            } => {
-                let share = elastic * (1.0 / full_at);
-                let ramp = if share.re() < 1.0 {
-                    share * share * (-share * 2.0 + 3.0)
-                } else {
-                    T::from(1.0)
-                };
-                let force = ramp * rate * coefficient;
-                if force.re() >= -0.5 * elastic.re() {
-                    return force;
-                }
-                let taken = -force / elastic;
-                if taken.re() >= 1.5 {
-                    return -elastic;
-                }
-                let beyond = taken - 0.5;
-                -elastic * (taken - beyond * beyond * 0.5)
-            }
-            Damper::Constant { tangential } => {
-                let force = rate * tangential / (cos_phi * cos_phi);
-                if force.re() > -elastic.re() {
-                    force
-                } else {
-                    -elastic
-                }
-            }
-        }
     }
 }
 
@@ -313,7 +285,7 @@ impl<T: Scalar> Solution<T> {
             };
             let [even, odd] = rates.misalignment;
             let approach = rates.turn * s - rates.half_gap + (even + odd * s) * by_misalignment;
-            flank.damping = el.damper.force(elastic, approach, cos_phi);
+            flank.damping = el.damping(elastic, approach, cos_phi);
             let (mut force, mut moment) = (flank.damping, flank.damping * by_misalignment);
             if pose.carried.is_none() {
                 force += elastic;
@@ -330,7 +302,13 @@ impl<T: Scalar> Solution<T> {
         }
 
         let mut on_2 = pose.map.wrench(&slopes);
-        let (index, flank) = carrying_flank(&flanks, el.reference_flank);
+        let [drive, coast] = &flanks;
+        // Index and sign of the flank that carries the larger force.
+        let (index, flank) = match (drive.elastic.re(), coast.elastic.re()) {
+            (drive, coast) if drive <= 0.0 && coast <= 0.0 => (el.reference_flank, 0),
+            (drive, coast) if drive >= coast => (0, 1),
+            _ => (1, -1),
+        };
         let (mut friction_power, mut friction_coefficient, mut loss_factor) = (zero, zero, zero);
         if let Some(friction) = &el.friction {
             for (i, load) in flanks.iter().enumerate() {
@@ -338,7 +316,7 @@ impl<T: Scalar> Solution<T> {
                     continue;
                 }
                 let spin = -rates.mesh_angle;
-                let tabulated = || friction.tabulated(i, load, c - k.center_distance);
+                let tabulated = || load.sliding(el.table()?, FLANKS[i], c - k.center_distance);
                 let found = extras[i].map(|[a, b, c, d, ..]| [a, b, c, d]);
                 let Some(sliding) = found.or_else(tabulated) else {
                     continue;
@@ -356,10 +334,9 @@ impl<T: Scalar> Solution<T> {
         if let Some(carried) = &pose.carried {
             carried.add_elastic_loads(k, &flanks, &mut loads);
         }
-        let root_stress = match (el.parameters.root_stress, &el.root_stress) {
-            (false, _) => [zero; 2],
-            (true, Some(table)) => tabulated_root_stress(table, k, c, &flanks),
-            (true, None) => found_root_stress(&extras, mesh.factor),
+        let root_stress = match el.parameters.root_stress {
+            true => root_stress(el, c - k.center_distance, &flanks, &extras, mesh.factor),
+            false => [zero; 2],
         };
         let shown = &flanks[index];
         let reference = &flanks[el.reference_flank];
@@ -369,7 +346,6 @@ impl<T: Scalar> Solution<T> {
         };
         let rate = rates.turn * reference.sign - rates.half_gap;
         let per_base_sum = reference.sign / k.base_sum;
-        let [drive, coast] = &flanks;
         let force = drive.force() + coast.force();
         let outputs = Outputs {
             force: [loads[0].linear, loads[1].linear],
@@ -407,139 +383,32 @@ fn in_world<T: Scalar>(gear: &Motion, from_origin: Vector3<T>) -> Vector3<T> {
     Vector3::new(x + gear.p.x, y + gear.p.y, z + gear.p.z)
 }
 
-/// Index of the flank that carries the larger elastic force and its sign; the `reference` flank and 0 where
-/// none does.
-#[inline(always)]
-fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (usize, i32) {
-    let [drive, coast] = [flanks[0].elastic.re(), flanks[1].elastic.re()];
-    if drive <= 0.0 && coast <= 0.0 {
-        (reference, 0)
-    } else if drive >= coast {
-        (0, 1)
-    } else {
-        (1, -1)
-    }
-}
-
-/// Stress in the roots of gear 1 and gear 2 under the loads of both `flanks`, Pa: the larger one.
+/// Stress in the roots of gear 1 and gear 2 under the loads of both `flanks`, Pa: the larger one; that of `extras` under loads that
+/// count `factor` times.
 ///
 /// Apart from the loads, which most FMUs compute alone.
 #[inline(never)]
-fn tabulated_root_stress<T: Scalar>(
-    table: &Table,
-    k: &Constants,
-    center_distance: T,
+fn root_stress<T: Scalar>(
+    el: &Element,
+    offset: T,
     flanks: &[FlankLoad<T>; 2],
+    extras: &[Option<Extras<T>>; 2],
+    factor: T,
 ) -> [T; 2] {
     let mut largest = [T::from(0.0); 2];
-    for (load, flank) in flanks.iter().zip(FLANKS) {
+    for (i, load) in flanks.iter().enumerate() {
         if load.elastic.re() <= 0.0 {
             continue;
         }
-        let Some(stress) = table.root_stress(flank) else {
-            continue;
+        let stress = match el.table() {
+            Some(table) => (table.root_stress(FLANKS[i])).map(|s| load.tabulated(s, offset)),
+            None => extras[i].map(|[.., first, second]| [first * factor, second * factor]),
         };
-        let offset = center_distance - k.center_distance;
-        let stress: [T; 2] = load.tabulated(stress, table.effects(), offset);
-        for (largest, stress) in largest.iter_mut().zip(stress) {
-            *largest = larger(*largest, stress);
+        for (largest, stress) in largest.iter_mut().zip(stress.into_iter().flatten()) {
+            if stress.re() > largest.re() {
+                *largest = stress;
+            }
         }
     }
     largest
-}
-
-/// The same as the sources of both flanks found it, under loads that count `factor` times.
-#[inline(never)]
-fn found_root_stress<T: Scalar>(extras: &[Option<Extras<T>>; 2], factor: T) -> [T; 2] {
-    let stress = |i: usize| {
-        let found = extras.iter().flatten().map(|extras| extras[4 + i] * factor);
-        found.fold(T::from(0.0), larger)
-    };
-    [stress(0), stress(1)]
-}
-
-#[inline]
-fn larger<T: Scalar>(a: T, b: T) -> T {
-    if b.re() > a.re() { b } else { a }
-}
-
-/// How far the gears are in mesh: factor on the potential and its slopes.
-struct Engagement<T> {
-    /// 1 in mesh, 0 out of reach.
-    factor: T,
-    /// Its derivative by the centre distance, 1/m.
-    by_center_distance: T,
-    /// Its derivative by the axial position lambda of c2 in gear 2's frame, 1/m.
-    by_axial_position: T,
-    /// The factor is below one, or the gears share another part of their faces than the stiffness is for.
-    leaving: bool,
-}
-
-impl<T: Scalar> Engagement<T> {
-    /// At centre distance `c` with c2 at the axial position `lambda` in gear 2's frame.
-    #[inline(always)]
-    fn new(k: &Constants, c: T, lambda: T) -> Self {
-        let (radial, radial_slope) = radial_share(k, c);
-        let [(low, low_slope), (high, high_slope)] = face_overlap(k, -lambda + k.z_ref);
-        let per_half = 2.0 / (k.common_face[1] - k.common_face[0]);
-        let (axial, axial_slope) = step((high - low) * per_half);
-        Engagement {
-            factor: radial * axial,
-            by_center_distance: radial_slope * axial * k.reach.per_span,
-            by_axial_position: radial * axial_slope * ((high_slope - low_slope) * per_half),
-            leaving: radial.re() < 1.0 || axial.re() < 1.0 || is_shifted(k, [low.re(), high.re()]),
-        }
-    }
-}
-
-/// Part of the common face by which its ends may move before its stiffness and its middle are another pair's.
-const SHIFT: f64 = 0.05;
-
-/// Whether the common face `ends` (gear 1's frame, m) is not that of the nominal pose, which tables and contact are for: they
-/// have no axis along the gears' axes.
-pub(crate) fn is_shifted(k: &Constants, ends: [f64; 2]) -> bool {
-    let [low, high] = k.common_face;
-    let most = SHIFT * (high - low);
-    (ends[0] - low).abs() > most || (ends[1] - high).abs() > most
-}
-
-/// Share of the engagement that the centre distance `c` leaves, and its slope by c `per_span`.
-#[inline(always)]
-pub(crate) fn radial_share<T: Scalar>(k: &Constants, c: T) -> (T, T) {
-    step((c - k.reach.none) * k.reach.per_span)
-}
-
-/// Ends of the common face in gear 1's frame, m, each with its slope by the axial position of c2 in gear 2's frame, with gear 2's
-/// z = 0 face at `offset`; the first beyond the second: the faces are apart.
-#[inline(always)]
-pub(crate) fn face_overlap<T: Scalar>(k: &Constants, offset: T) -> [(T, f64); 2] {
-    let [b1, b2] = k.face_width;
-    let low = if offset.re() > 0.0 {
-        (offset, -1.0)
-    } else {
-        (T::from(0.0), 0.0)
-    };
-    let high = if offset.re() + b2 < b1 {
-        (offset + b2, -1.0)
-    } else {
-        (T::from(b1), 0.0)
-    };
-    [low, high]
-}
-
-/// Quintic step from 0 at 0 to 1 at 1, and its slope.
-#[inline(always)]
-fn step<T: Scalar>(x: T) -> (T, T) {
-    if x.re() >= 1.0 {
-        return (T::from(1.0), T::from(0.0));
-    }
-    if x.re() <= 0.0 {
-        return (T::from(0.0), T::from(0.0));
-    }
-    let square = x * x;
-    let rest = -x + 1.0;
-    (
-        square * x * (x * (x * 6.0 - 15.0) + 10.0),
-        square * rest * rest * 30.0,
-    )
 }

@@ -10,15 +10,14 @@
 //! speed, so that a pair under load at rest creeps with less than v_t instead of sticking. Through the pitch point
 //! share and distance are smooth functions of the mesh position.
 
-use super::constants::{Constants, FLANKS};
-use super::contact::FlankLoad;
+use super::constants::Constants;
 use super::dual::Scalar;
+use super::flank::FlankLoad;
 use super::kinematics::{Map, Spatial};
 use super::parameters::Parameters;
 use crate::friction::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED};
 use crate::gear::PairGeometry;
-use crate::table::Table;
-use std::sync::Arc;
+use crate::table::FrictionRecord;
 
 /// Over the largest weight of a table: least one that the sliding distance is divided by, a hundred times what samples are
 /// rounded to.
@@ -30,8 +29,6 @@ const NO_WEIGHT: f64 = 1e-12;
 /// Friction of one element.
 #[derive(Clone)]
 pub(crate) struct Friction {
-    /// How the load slides, where the law does not find that itself.
-    table: Option<Arc<Table>>,
     coefficient: Coefficient,
     /// Speed of transition, squared, m²/s².
     transition: f64,
@@ -58,45 +55,26 @@ pub(crate) struct FlankFriction<T> {
 }
 
 impl Friction {
-    /// Of `pair` with the coefficient of `law` and the sliding in `table`, or that of the elastic law.
+    /// Of `pair` with the coefficient of `law` and the sliding in `record`, or that of the elastic law.
     pub(crate) fn new(
         pair: &PairGeometry,
         p: &Parameters,
         law: &FrictionLaw,
-        table: Option<&Arc<Table>>,
+        record: Option<&FrictionRecord>,
     ) -> Friction {
         let mut coefficient = law.coefficient(pair);
         coefficient.scale *= p.friction_factor;
-        let record = table.and_then(|table| table.file().friction.as_ref());
         let least_weight = record.map_or(NO_WEIGHT, |record| {
             let weights = record.drive.weight.iter().flatten().copied();
             LEAST_WEIGHT * weights.fold(0.0, f64::max)
         });
         Friction {
-            table: table.cloned(),
             coefficient,
             transition: p.friction_transition_speed.powi(2),
             rolling_per_spin: pair.rolling_speed_per_spin(pair.center_distance),
             loss_per_distance: crate::friction::loss_factor_of(pair, 1.0),
             least_weight,
         }
-    }
-
-    /// Share, axial share, distance and weight of the load of flank `i` in the table.
-    #[inline(always)]
-    pub(crate) fn tabulated<T: Scalar>(
-        &self,
-        i: usize,
-        load: &FlankLoad<T>,
-        offset: T,
-    ) -> Option<[T; 4]> {
-        let table = self.table.as_ref()?;
-        let (sliding, mirrored) = table.sliding(FLANKS[i])?;
-        let mut all = load.tabulated((sliding, mirrored), table.effects(), offset);
-        if mirrored {
-            all[1] = -all[1];
-        }
-        Some(all)
     }
 
     /// Friction of a flank under `load` > 0, of share, axial share, distance and weight as given, while gear 2 moves against gear 1 with

@@ -64,7 +64,7 @@ pub struct Workspace(pub(crate) [Warm; 2]);
 /// Law of one flank as the formulations use it.
 #[derive(Clone)]
 pub(crate) struct Law {
-    source: Source,
+    pub source: Source,
     /// Whether it needs to know which teeth are in mesh.
     pub tells_teeth_apart: bool,
     /// Factors on the coordinates: 0 where the effect is off, -1 on the misalignment of a mirrored flank.
@@ -130,7 +130,7 @@ impl Law {
 
     /// `flank` of the pair's table, with the effects that it was made for.
     /// Errors: tooth pairs are among the effects and the table does not have them.
-    pub(crate) fn table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
+    pub(crate) fn on_table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
         let effects = *table.effects();
         let (source, mirrored) = if effects.teeth {
             let (_, mirrored) = table.teeth(flank).ok_or(TableError::NO_TEETH)?;
@@ -139,6 +139,15 @@ impl Law {
             (Source::Table(table.clone(), flank), table.flank(flank).1)
         };
         Ok(Self::new(source, mirrored, effects))
+    }
+
+    /// The table that it is on.
+    #[inline(always)]
+    pub(crate) fn table(&self) -> Option<&Arc<Table>> {
+        match &self.source {
+            Source::Table(table, _) | Source::Teeth(table, _) => Some(table),
+            _ => None,
+        }
     }
 
     /// `flank` of `file`, or the drive flank mirrored where that is all it holds.

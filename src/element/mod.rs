@@ -15,15 +15,12 @@
 //! velocities ─> map: rates J v ──> damper, friction ─────┘
 //! ```
 //!
-//! The walk from a pose to its force: this file, `contact` (both flanks under load), `kinematics` (the map), `law` (a table or
+//! The walk from a pose to its force: `contact` (both flanks under load), `kinematics` (the map), `law` (a table or
 //! what stands for it), `friction`. (`paper` takes the place of a part of the map in [`Formulation::Paper`].)
 //! Loads for a communication step, which need not be those of the pose, are predicted from that: [`Element::predict`].
 //!
-//! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
-//!   transpose. Undamped it keeps energy, and the damper can only take some; the default.
-//! - [`Parameters::friction`]: friction against the sliding of the flanks, through a row of the same map.
-//! - [`Parameters::root_stress`]: stress in the tooth roots under the elastic forces; nothing depends on it.
-//! - [`Formulation::Paper`]: displacement and elastic force of (1)-(26); the damper goes through the same map.
+//! In [`Formulation::Conjugate`], the default, coordinates and loads go through one map J and its transpose: undamped it keeps
+//! energy, and damper and friction can only take some. [`Formulation::Paper`] has displacement and elastic force of (1)-(26).
 //!
 //! One flank alone ([`LoadedFlank`]) carries nothing when the gears turn back, up to half a pitch: there they
 //! would meet the tooth behind, which is refused.
@@ -36,6 +33,8 @@
 mod constants;
 mod contact;
 mod dual;
+mod engagement;
+mod flank;
 mod friction;
 mod jacobian;
 mod kinematics;
@@ -47,6 +46,7 @@ mod prediction;
 mod start;
 
 pub use crate::table::Interpolation;
+pub use contact::Element;
 pub use dual::Scalar;
 pub use jacobian::{BODY_COLUMNS, Direction, Jacobian};
 pub use law::{Elasticity, Workspace};
@@ -62,30 +62,11 @@ use crate::gear::PairGeometry;
 use crate::table::{Effects, Table, TableError, TeethRecord};
 use crate::words::number;
 use constants::{Constants, FLANKS};
-use contact::{Damper, Solution};
+use contact::Solution;
 use friction::Friction;
 use law::{Law, Source};
 use nalgebra::Vector3;
-use start::Covered;
 use std::sync::Arc;
-
-/// The contact element of one gear pair. Immutable: instances can share it between threads.
-#[derive(Clone)]
-pub struct Element {
-    constants: Constants,
-    parameters: Parameters,
-    laws: [Option<Law>; 2],
-    damper: Damper,
-    friction: Option<Friction>,
-    /// The table with the stress in the tooth roots, where it is on and not found with the loads.
-    root_stress: Option<Arc<Table>>,
-    /// Force on the line of action that a start pose may have, N.
-    largest_force: f64,
-    /// What its laws cover; `None`: they are the caller's.
-    covered: Option<Covered>,
-    /// Index of the flank that phases and transmission error refer to.
-    reference_flank: usize,
-}
 
 impl Element {
     /// The element of `pair` with `parameters`, whatever [`Parameters::stiffness_model`] says under the law `drive` of the drive flank
@@ -147,40 +128,28 @@ impl Element {
     ) -> Result<Self, ElementError> {
         parameters.check()?;
         let effects = parameters.table_effects(pair);
-        match (parameters.stiffness_model, table) {
-            (StiffnessModel::Contact, _) => Err(ElementError(
-                "stiffnessModel = contact, but the FMU does not hold the contact of its pair: build it with `gearmesh build \
-                 --contact`, or set stiffnessModel = table"
-                    .into(),
-            )),
+        let mut table = match (parameters.stiffness_model, table) {
+            (StiffnessModel::Contact, _) => {
+                let reason = "stiffnessModel = contact, but the FMU does not hold the contact of its pair: build it with \
+                              `gearmesh build --contact`, or set stiffnessModel = table";
+                return Err(ElementError(reason.into()));
+            }
             (StiffnessModel::Constant, _) => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
                 let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
                 let law = Law::new(Source::Linear(stiffness), false, effects);
-                let mut element = Self::build(pair, parameters, [law.clone(), law])?;
-                element.covered = Some(Covered::default());
-                Ok(element)
+                return Self::build(pair, parameters, [law.clone(), law]);
             }
-            (StiffnessModel::Table | StiffnessModel::Teeth, None) => Err(ElementError(
-                "stiffnessModel = table or teeth, but there is no table: pack one with `gearmesh tables`, or set stiffnessModel = \
-                 constant"
-                    .into(),
-            )),
-            (StiffnessModel::Table | StiffnessModel::Teeth, Some(mut table)) => {
-                if *table.effects() != effects {
-                    table = Arc::new(Table::with_effects(table.file().clone(), effects)?);
-                }
-                Self::on_table(pair, parameters, table)
+            (StiffnessModel::Table | StiffnessModel::Teeth, None) => {
+                let reason = "stiffnessModel = table or teeth, but there is no table: pack one with `gearmesh tables`, or set \
+                              stiffnessModel = constant";
+                return Err(ElementError(reason.into()));
             }
+            (StiffnessModel::Table | StiffnessModel::Teeth, Some(table)) => table,
+        };
+        if *table.effects() != effects {
+            table = Arc::new(Table::with_effects(table.file().clone(), effects)?);
         }
-    }
-
-    /// The element on a table with the effects of [`Parameters::table_effects`].
-    fn on_table(
-        pair: &PairGeometry,
-        parameters: &Parameters,
-        table: Arc<Table>,
-    ) -> Result<Self, ElementError> {
         let file = table.file();
         let largest = file.maximum_torque_nm;
         // Else the damping would never act in full, without a word.
@@ -190,29 +159,19 @@ impl Element {
                           give a torque of the table";
             return Err(ElementError::parameter("nominalTorque", &value, remedy));
         }
-        let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
+        let [drive, coast] = FLANKS.map(|flank| Law::on_table(&table, flank));
         let mut element = Self::build(pair, parameters, [drive?, coast?])?;
-        element.largest_force = largest / pair.gears[0].base_radius();
-        element.covered = Some(Covered::by(&table));
         let teeth = (file.teeth.as_ref()).filter(|_| table.effects().teeth);
         if parameters.friction {
             // Tooth pairs find how the load slides with their forces.
-            let (law, sliding) = match teeth {
-                Some(record) => (record.friction, None),
-                None => (
-                    file.friction.as_ref().map(|record| record.law),
-                    Some(&table),
-                ),
-            };
-            element.friction = law.map(|law| Friction::new(pair, parameters, &law, sliding));
+            let record = file.friction.as_ref().filter(|_| teeth.is_none());
+            let law = teeth.map_or(record.map(|record| record.law), |teeth| teeth.friction);
+            element.friction = law.map(|law| Friction::new(pair, parameters, &law, record));
         }
-        if parameters.root_stress {
-            if teeth.is_some_and(TeethRecord::tells_apart) {
-                let remedy = "the tables hold the stress of teeth that are alike: set stiffnessModel = contact, remove tooth_errors \
-                              from the pair file, or set rootStress = false";
-                return Err(ElementError::parameter("rootStress", "true", remedy));
-            }
-            element.root_stress = Some(table);
+        if parameters.root_stress && teeth.is_some_and(TeethRecord::tells_apart) {
+            let remedy = "the tables hold the stress of teeth that are alike: set stiffnessModel = contact, remove tooth_errors \
+                          from the pair file, or set rootStress = false";
+            return Err(ElementError::parameter("rootStress", "true", remedy));
         }
         Ok(element)
     }
@@ -230,11 +189,7 @@ impl Element {
             LoadedFlank::Both => [Some(drive), Some(coast)],
         };
         Ok(Self {
-            damper: Damper::new(parameters, &constants),
             friction: None,
-            root_stress: None,
-            largest_force: START_FORCE * constants.nominal_force,
-            covered: None,
             reference_flank: usize::from(parameters.loaded_flank == LoadedFlank::Coast),
             constants,
             parameters: *parameters,
@@ -245,7 +200,6 @@ impl Element {
     /// Sets the damping (the one tunable parameter), N s/m, tangential, >= 0.
     pub fn set_damping(&mut self, damping: f64) {
         self.parameters.damping = damping;
-        self.damper = Damper::new(&self.parameters, &self.constants);
     }
 
     /// The parameters it was made with.
@@ -261,17 +215,10 @@ impl Element {
     /// A valid mesh at rest: gear 1 and the carrier at the origin, gear 2 at the nominal centre
     /// distance along x (and at its face offset along z), zero angles.
     pub fn nominal_inputs(&self) -> Inputs {
-        Inputs {
-            gears: [
-                Motion::default(),
-                Motion::at(Vector3::new(
-                    self.constants.center_distance,
-                    0.0,
-                    self.constants.face_offset,
-                )),
-            ],
-            carrier: Motion::default(),
-        }
+        let k = &self.constants;
+        let mut inputs = Inputs::default();
+        inputs.gears[1].p = Vector3::new(k.center_distance, 0.0, k.face_offset);
+        inputs
     }
 
     /// Loads and diagnostics at `inputs`. Pure; contact at run time starts from nothing, see [`Element::evaluate_from`].
@@ -306,41 +253,4 @@ impl Element {
             Formulation::Paper => inputs.carrier.check("carrier"),
         }
     }
-
-    /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual
-    /// operating pitch circle.
-    #[inline(always)]
-    fn law_scale<T: Scalar>(&self, cos_phi: T) -> T {
-        let p = &self.parameters;
-        if p.formulation == Formulation::Paper && p.stiffness_model == StiffnessModel::Constant {
-            let ratio = cos_phi.recip() * self.constants.cos_phi;
-            ratio * ratio
-        } else {
-            T::from(1.0)
-        }
-    }
-
-    /// Whether a flank is pressed by more than half of what fits between the gap and the tooth behind: no load does that,
-    /// and twice as far the tooth behind pushes the other way.
-    /// Errors: it is, and one flank alone can carry: the gears have turned back through the flank that is missing.
-    fn have_passed(&self, penetration: f64, half_gap: f64) -> Result<bool, ElementError> {
-        let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
-        let passed = penetration > limit;
-        if passed && self.parameters.loaded_flank != LoadedFlank::Both {
-            let (flank, sign) = match self.parameters.loaded_flank {
-                LoadedFlank::Coast => ("coast", -1.0),
-                _ => ("drive", 1.0),
-            };
-            return Err(ElementError(format!(
-                "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
-                 back from this flank, and they have come to the tooth behind: set loadedFlank = both{}",
-                1e3 * penetration,
-                self.phase_remedy(sign * penetration)
-            )));
-        }
-        Ok(passed)
-    }
 }
-
-/// Multiple of the nominal force that teeth of constant stiffness may start with.
-const START_FORCE: f64 = 10.0;

@@ -44,16 +44,6 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// At rest at `p` with axes parallel to the world's.
-    pub fn at(p: Vector3<f64>) -> Self {
-        Self {
-            p,
-            r: Matrix3::identity(),
-            v: Vector3::zeros(),
-            w: Vector3::zeros(),
-        }
-    }
-
     /// Refuses numbers that are not finite and an orientation that is no rotation, in the name of `body`.
     pub(crate) fn check(&self, body: &str) -> Result<(), ElementError> {
         let (x, y, z) = (self.r.column(0), self.r.column(1), self.r.column(2));
@@ -89,8 +79,14 @@ impl Motion {
 }
 
 impl Default for Motion {
+    /// At rest at the origin with axes parallel to the world's.
     fn default() -> Self {
-        Self::at(Vector3::zeros())
+        Self {
+            p: Vector3::zeros(),
+            r: Matrix3::identity(),
+            v: Vector3::zeros(),
+            w: Vector3::zeros(),
+        }
     }
 }
 

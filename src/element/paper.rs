@@ -9,8 +9,9 @@
 //! there alone it cannot give energy; the radial and axial force of (9) follow the elastic force.
 
 use super::constants::{Constants, behind};
-use super::contact::{FlankLoad, face_overlap};
 use super::dual::{Scalar, angles, cross, dot, part, scaled, shifted, turned};
+use super::engagement::face_overlap;
+use super::flank::FlankLoad;
 use super::kinematics::{Coordinates, Spatial, check_tilt};
 use super::motion::{ElementError, Inputs, Motion};
 use nalgebra::Vector3;

@@ -1,50 +1,17 @@
 //! The start of a simulation: phases of the teeth from the initial pose; and in words what is wrong with a pose.
 
 use super::constants::{Constants, FLANKS};
-use super::contact::{Pose, Solution, face_overlap, is_shifted, radial_share};
+use super::contact::{Element, Pose, Solution};
 use super::dual::{Scalar, fraction, lift};
-use super::law::{Law, Workspace};
+use super::engagement::{face_overlap, is_shifted, radial_share};
+use super::law::{Law, Response, Source, Workspace};
 use super::motion::{ElementError, Inputs, Outputs, PhaseOffset};
 use super::parameters::PhaseReference;
-use super::{Element, START_FORCE};
 use crate::contact::Warm;
-use crate::gear::teeth::Counts;
-use crate::table::Table;
 use crate::words::fixed;
 
-/// Ranges that the tables of an element cover.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Covered {
-    /// Actual minus nominal centre distance, m; `None`: the element does not look at it.
-    center_distance_offset: Option<[f64; 2]>,
-    /// Misalignment, rad, of drive and coast flank; `None`: the element does not look at it.
-    misalignment: [Option<[f64; 2]>; 2],
-}
-
-impl Covered {
-    pub(crate) fn by(table: &Table) -> Self {
-        let (effects, file) = (table.effects(), table.file());
-        let range = |on: bool, nodes: &[f64]| match nodes {
-            [first, .., last] if on => Some([*first, *last]),
-            _ => None,
-        };
-        let axes = &file.axes;
-        let drive = range(effects.misalignment, &axes.misalignment);
-        let coast = match file.coast {
-            Some(_) => drive,
-            None => drive.map(|[low, high]| [-high, -low]), // mirrored
-        };
-        Self {
-            center_distance_offset: range(effects.center_distance, &axes.center_distance_offset),
-            misalignment: [drive, coast],
-        }
-    }
-
-    /// That of the flank in `outputs`.
-    fn misalignment(&self, outputs: &Outputs) -> Option<[f64; 2]> {
-        self.misalignment[usize::from(outputs.flank < 0)]
-    }
-}
+/// Multiple of the nominal force that teeth of constant stiffness may start with.
+const START_FORCE: f64 = 10.0;
 
 /// Multiple of the nominal centre distance that only a wrong unit brings about.
 const WRONG_UNIT: f64 = 100.0;
@@ -86,9 +53,13 @@ impl Element {
             let [drive, coast] = mesh.flanks.map(|flank| flank.elastic);
             drive.max(coast)
         });
+        let k = &self.constants;
+        let largest_rigid = START_FORCE * k.nominal_force;
+        let largest = self.table().map_or(largest_rigid, |table| {
+            table.file().maximum_torque_nm / k.rb[0]
+        });
         let rigid = self.rigid_jam(&outputs);
-        let largest_rigid = START_FORCE * self.constants.nominal_force;
-        for (force, largest) in [(pressed, self.largest_force), (rigid, largest_rigid)] {
+        for (force, largest) in [(pressed, largest), (rigid, largest_rigid)] {
             if force > largest {
                 let [force, largest] = [force, largest].map(|x| fixed(1e-3 * x, 2));
                 return Err(ElementError(format!(
@@ -102,17 +73,6 @@ impl Element {
             }
         }
         Ok(phase)
-    }
-
-    /// What else helps teeth that stand where the body frames say and overlap on the line of action, by `x` (m) in the turn of gear 1.
-    pub(super) fn phase_remedy(&self, x: f64) -> String {
-        let turn = -x / self.constants.rb[0];
-        match self.parameters.phase_reference {
-            PhaseReference::FromInitialPose => String::new(),
-            PhaseReference::Absolute => {
-                format!(", turn gear 1 by {turn:+.3e} rad, or set phaseReference = fromInitialPose")
-            }
-        }
     }
 
     /// What puts the pose `inputs`, which gave `outputs`, out of range ([`Outputs::out_of_range`]), each with its value and
@@ -139,13 +99,10 @@ impl Element {
                      {right_high} mm"
                 ));
             }
-            if let Some(covered) = &self.covered {
-                let offset = outputs.center_distance - k.center_distance;
-                if is_outside(covered.center_distance_offset, offset)
-                    || is_outside(covered.misalignment(outputs), outputs.misalignment)
-                {
-                    reasons.push(self.pose_in_words(outputs));
-                }
+            let [offsets, tilts] = self.covered(outputs);
+            let offset = outputs.center_distance - k.center_distance;
+            if is_outside(offsets, offset) || is_outside(tilts, outputs.misalignment) {
+                reasons.push(self.pose_in_words(outputs));
             }
         }
         Ok(reasons.join("; "))
@@ -184,11 +141,12 @@ impl Element {
     /// Force on the line of action, N, with which flanks would jam at both ends of the face: rigid ones, a wedge on the mean
     /// stiffness over one half of the face. Zero where the tables know better.
     fn rigid_jam(&self, outputs: &Outputs) -> f64 {
-        // Without `covered` the laws are the caller's, who knows what they look at.
-        let Some(covered) = self.covered else {
+        // A contact solve and the laws of a caller know better.
+        let knows = |law: &Law| matches!(law.source, Source::Contact(_) | Source::Custom(_));
+        if self.laws.iter().flatten().any(knows) {
             return 0.0;
-        };
-        let tilts = covered.misalignment(outputs);
+        }
+        let [_, tilts] = self.covered(outputs);
         if tilts.is_some() && !is_outside(tilts, outputs.misalignment) {
             return 0.0;
         }
@@ -198,22 +156,40 @@ impl Element {
         0.25 * self.parameters.constant_stiffness / k.cos_phi.powi(2) * overlap.max(0.0)
     }
 
+    /// Centre distance offsets (m) and misalignments (rad) of the flank in `outputs` that the tables cover; `None`: the element does
+    /// not look at it.
+    fn covered(&self, outputs: &Outputs) -> [Option<[f64; 2]>; 2] {
+        let Some(table) = self.table() else {
+            return [None; 2];
+        };
+        let (effects, file) = (table.effects(), table.file());
+        let range = |on: bool, nodes: &[f64]| match nodes {
+            [first, .., last] if on => Some([*first, *last]),
+            _ => None,
+        };
+        let mut tilts = range(effects.misalignment, &file.axes.misalignment);
+        if outputs.flank < 0 && file.coast.is_none() {
+            tilts = tilts.map(|[low, high]| [-high, -low]); // mirrored
+        }
+        let offsets = &file.axes.center_distance_offset;
+        [range(effects.center_distance, offsets), tilts]
+    }
+
     /// Centre distance and misalignment of `outputs`, and what they should be.
     fn pose_in_words(&self, outputs: &Outputs) -> String {
         let k = &self.constants;
-        let covered = self.covered.unwrap_or_default();
+        let [offsets, tilts] = self.covered(outputs);
         let tables = |ends: [f64; 2], unit: f64, digits: usize| {
             let [low, high] = ends.map(|end| fixed(unit * end, digits));
             format!("tables {low} to {high}")
         };
-        let tilts = covered.misalignment(outputs);
         let mut text = format!(
             "centre distance {}, misalignment {} mrad ({})",
             k.center_distance_in_words(outputs.center_distance),
             fixed(1e3 * outputs.misalignment, 3),
             tilts.map_or("right: near 0".into(), |ends| tables(ends, 1e3, 3))
         );
-        if let Some(offsets) = covered.center_distance_offset {
+        if let Some(offsets) = offsets {
             let offset = fixed(1e6 * (outputs.center_distance - k.center_distance), 1);
             let range = tables(offsets, 1e6, 1);
             text += &format!(", centre distance offset {offset} um ({range})");
@@ -249,18 +225,20 @@ impl Element {
         let Some(law) = &self.laws[i] else {
             return Ok(PhaseOffset::default());
         };
-        let mut touch = Touch {
-            law,
-            quarter_pitch: 0.25 * k.base_pitch,
-            mesh_position: fraction(mesh_position),
-            // The pair of teeth 0 touches where the mesh position is 0.
-            counts: [mesh_position.floor() as i64; 2],
-            warm: Warm::default(),
+        // The pair of teeth 0 touches where the mesh position is 0.
+        let counts = [mesh_position.floor() as i64; 2];
+        let mut warm = Warm::default();
+        let mut touch = |[offset, tilt]: [f64; 2], start: f64| {
+            let law = |penetration: f64| {
+                let q = [penetration, offset, tilt, fraction(mesh_position)];
+                law.respond::<f64>(q, counts, false, &mut warm, &mut None)
+            };
+            onset(law, 0.25 * k.base_pitch, start)
         };
         let offset = pose.coordinates.center_distance - k.center_distance;
         let q = [offset, pose.misalignment(i)];
         let here = q.map(T::re);
-        let found = touch.onset(here, 0.0)?;
+        let found = touch(here, 0.0)?;
         let mut slopes = [0.0; 2];
         for (axis, slope) in slopes.iter_mut().enumerate() {
             if !T::CARRIES || !law.follows()[axis] {
@@ -269,7 +247,7 @@ impl Element {
             let mut side = |step: f64| {
                 let mut x = here;
                 x[axis] += step;
-                touch.onset(x, found + STEP)
+                touch(x, found + STEP)
             };
             *slope = (side(STEP)? - side(-STEP)?) / (2.0 * STEP);
         }
@@ -288,58 +266,46 @@ impl Constants {
     }
 }
 
-/// A flank at one mesh position, while its penetration is sought.
-struct Touch<'a> {
-    law: &'a Law,
-    quarter_pitch: f64,
-    mesh_position: f64,
-    counts: Counts,
-    warm: Warm,
-}
-
-impl Touch<'_> {
-    /// The largest penetration, m, at which the flank carries nothing at the centre distance offset (m) and the misalignment
-    /// `pose`, within half a base pitch about zero, where the force rises; `start` (m) is looked at first.
-    ///
-    /// Energy, force and stiffness are those of a power of the distance to the onset, the more so the nearer it is: they tell the
-    /// distance, so that a few evaluations are enough. Where they mislead, bisection goes on.
-    fn onset(&mut self, pose: [f64; 2], start: f64) -> Result<f64, ElementError> {
-        /// First step, m, in search of a load: reliefs are larger, so that none is met by chance far inside.
-        const FIRST: f64 = 1e-6;
-        /// To which the onset is found, m: a hundredth of the rounding of microns.
-        const NEAR: f64 = 1e-17;
-        /// Evaluations after which bisection takes over.
-        const MOST: usize = 20;
-        let (mut free, mut pressed) = (-self.quarter_pitch, self.quarter_pitch);
-        let (mut next, mut step) = (start, FIRST);
-        for tried in 0.. {
-            let q = [next, pose[0], pose[1], self.mesh_position];
-            let w = (self.law).respond::<f64>(q, self.counts, false, &mut self.warm, &mut None)?;
-            let (force, energy) = (w.gradient[0], w.energy);
-            let guess = if force > 0.0 {
-                pressed = next;
-                let way = energy / force / (1.0 - energy / force * (w.stiffness / force));
-                match way > 0.0 {
-                    true => pressed - (0.99 * way).max(3.0 * NEAR),
-                    false => f64::NAN, // without energy: bisection
-                }
-            } else {
-                free = next;
-                step *= 4.0;
-                if pressed < self.quarter_pitch {
-                    pressed
-                } else {
-                    free + step
-                }
-            };
-            let middle = 0.5 * (free + pressed);
-            // Two neighbouring numbers, or nothing but rounding of the zero between them.
-            if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
-                break;
+/// The largest penetration, m, at which a flank carries nothing, within `most` (m) about zero, where the force of its `law` rises;
+/// `start` (m) is looked at first.
+///
+/// Energy, force and stiffness are those of a power of the distance to the onset, the more so the nearer it is: they tell the
+/// distance, so that a few evaluations are enough. Where they mislead, bisection goes on.
+fn onset(
+    mut law: impl FnMut(f64) -> Result<Response<f64>, ElementError>,
+    most: f64,
+    start: f64,
+) -> Result<f64, ElementError> {
+    /// First step, m, in search of a load: reliefs are larger, so that none is met by chance far inside.
+    const FIRST: f64 = 1e-6;
+    /// To which the onset is found, m: a hundredth of the rounding of microns.
+    const NEAR: f64 = 1e-17;
+    /// Evaluations after which bisection takes over.
+    const MOST: usize = 20;
+    let (mut free, mut pressed) = (-most, most);
+    let (mut next, mut step) = (start, FIRST);
+    for tried in 0.. {
+        let w = law(next)?;
+        let (force, energy) = (w.gradient[0], w.energy);
+        let guess = if force > 0.0 {
+            pressed = next;
+            let way = energy / force / (1.0 - energy / force * (w.stiffness / force));
+            match way > 0.0 {
+                true => pressed - (0.99 * way).max(3.0 * NEAR),
+                false => f64::NAN, // without energy: bisection
             }
-            let helps = free < guess && guess < pressed && tried < MOST;
-            next = if helps { guess } else { middle };
+        } else {
+            free = next;
+            step *= 4.0;
+            if pressed < most { pressed } else { free + step }
+        };
+        let middle = 0.5 * (free + pressed);
+        // Two neighbouring numbers, or nothing but rounding of the zero between them.
+        if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
+            break;
         }
-        Ok(free)
+        let helps = free < guess && guess < pressed && tried < MOST;
+        next = if helps { guess } else { middle };
     }
+    Ok(free)
 }

@@ -1,8 +1,8 @@
 //! The C interface of FMI 2.0: the one file with unsafe code.
 //!
 //! Every function that takes a component runs inside `call`, which refuses null components and wrong states, turns a
-//! panic into fmi2Fatal, and reports to the host's logger. What a function does is in [`super::instance`];
-//! tests/header.rs compares each signature with the standard's header.
+//! panic into fmi2Fatal, and reports to the host's logger. What a function does is in the standard and in
+//! [`super::instance`]; tests/header.rs compares each signature with the standard's header.
 //!
 //! # Safety
 //! All functions require of the host what the standard requires: a component is null or came from
@@ -10,6 +10,7 @@
 //! end with a zero byte, and one instance is used by one thread at a time. Every
 //! `unsafe fn` below relies on that where it follows a pointer; it is stated this once.
 #![allow(
+    missing_docs,
     unsafe_code,
     unsafe_op_in_unsafe_fn,
     non_snake_case,
@@ -61,9 +62,8 @@ impl Log {
         };
         if let Some(unknown) = names.iter().find(|name| !LOG_CATEGORIES.contains(name)) {
             let known = LOG_CATEGORIES.join(", ");
-            return Err(Refusal::error(format!(
-                "log category '{unknown}' is none of {known}"
-            )));
+            let text = format!("log category '{unknown}' is none of {known}");
+            return Err(Refusal::error(text));
         }
         for (category, is_on) in LOG_CATEGORIES.iter().zip(&mut self.is_on) {
             if names.contains(category) {
@@ -173,7 +173,6 @@ unsafe fn writer<T>(mut data: *mut T, count: usize) -> Result<impl FnMut(T), Ref
     })
 }
 
-/// Writes results to the host's array of `count`.
 unsafe fn put_all<T>(
     data: *mut T,
     count: usize,
@@ -183,7 +182,6 @@ unsafe fn put_all<T>(
     Ok(())
 }
 
-/// Writes one result to the host.
 unsafe fn put<T>(data: *mut T, value: T) -> Result<(), Refusal> {
     put_all(data, 1, [value])
 }
@@ -191,7 +189,6 @@ unsafe fn put<T>(data: *mut T, value: T) -> Result<(), Refusal> {
 /// Bytes after which a host's string must have ended.
 const LONGEST_TEXT: usize = 1 << 16;
 
-/// The host's string.
 unsafe fn text<'a>(data: *const c_char, what: &str) -> Result<&'a str, Refusal> {
     let refuse = |reason: &str| Err(Refusal::error(format!("{what} {reason}")));
     if data.is_null() {
@@ -206,7 +203,6 @@ unsafe fn text<'a>(data: *const c_char, what: &str) -> Result<&'a str, Refusal> 
 }
 
 impl Component {
-    /// Copies values of variables of `kind` to the host.
     unsafe fn get<T>(
         &mut self,
         kind: Kind,
@@ -220,7 +216,6 @@ impl Component {
         self.instance.get(kind, references, |x| put(convert(x)))
     }
 
-    /// Sets variables of `kind` to the host's values.
     unsafe fn set<T: Copy + Into<f64>>(
         &mut self,
         kind: Kind,
@@ -233,7 +228,7 @@ impl Component {
     }
 
     fn enter(&mut self, state: State) -> Result<(), Refusal> {
-        self.instance.enter(state);
+        self.instance.state.state = state;
         Ok(())
     }
 }
@@ -248,13 +243,12 @@ fn none(count: usize) -> Result<(), Refusal> {
     }
 }
 
-/// A status that this FMU does not have.
 fn no_status(kind: fmi2StatusKind) -> Result<(), Refusal> {
     let text = format!("the FMU has no status of kind {kind}");
     Err(Refusal::discard(text))
 }
 
-/// Exports of the interface that take a component `c`: `body` runs inside [`call`].
+/// Exports that take a component `c`: `body` runs inside [`call`].
 macro_rules! exports {
     ($($(#[$doc:meta])* fn $name:ident($c:ident $(, $argument:ident: $type:ty)* $(,)?) $body:block)+) => {$(
         $(#[$doc])*
@@ -287,55 +281,44 @@ exports! {
         c.instance.setup(start, (stop_defined != 0).then_some(stop))
     }
 
-    /// Opens the initialization.
     fn fmi2EnterInitializationMode(c) { c.enter(State::InitializationMode) }
 
     /// Closes the initialization: checks the parameters and takes the phase offset of the teeth.
     fn fmi2ExitInitializationMode(c) { c.instance.exit_initialization() }
 
-    /// Ends the simulation.
     fn fmi2Terminate(c) { c.enter(State::Terminated) }
 
-    /// Back to the state after fmi2Instantiate.
     fn fmi2Reset(c) {
         c.instance.reset();
         Ok(())
     }
 
-    /// Values of Real variables.
     fn fmi2GetReal(c, vr: References, nvr: usize, value: *mut fmi2Real) {
         c.get(Kind::Real, vr, nvr, value, |x| x)
     }
 
-    /// Values of Integer and Enumeration variables.
     fn fmi2GetInteger(c, vr: References, nvr: usize, value: *mut fmi2Integer) {
         c.get(Kind::Enumeration, vr, nvr, value, |x| x as i32)
     }
 
-    /// Values of Boolean variables.
     fn fmi2GetBoolean(c, vr: References, nvr: usize, value: *mut fmi2Boolean) {
         c.get(Kind::Boolean, vr, nvr, value, |x| x as i32)
     }
 
-    /// Refuses any variable: there are none of type String.
     fn fmi2GetString(_c, _vr: References, nvr: usize, _value: *mut fmi2String) { none(nvr) }
 
-    /// Sets Real inputs and parameters.
     fn fmi2SetReal(c, vr: References, nvr: usize, value: *const fmi2Real) {
         c.set(Kind::Real, vr, nvr, value)
     }
 
-    /// Sets Enumeration parameters.
     fn fmi2SetInteger(c, vr: References, nvr: usize, value: *const fmi2Integer) {
         c.set(Kind::Enumeration, vr, nvr, value)
     }
 
-    /// Sets Boolean parameters.
     fn fmi2SetBoolean(c, vr: References, nvr: usize, value: *const fmi2Boolean) {
         c.set(Kind::Boolean, vr, nvr, value)
     }
 
-    /// Refuses any variable: there are none of type String.
     fn fmi2SetString(_c, _vr: References, nvr: usize, _value: *const fmi2String) { none(nvr) }
 
     /// Stores the state, over the given one if that is not null. A fmi2FMUstate is a number here, not an address.
@@ -345,7 +328,6 @@ exports! {
         put(state, ptr::without_provenance_mut(c.instance.store(given)?))
     }
 
-    /// Goes back to a stored state.
     fn fmi2SetFMUstate(c, state: fmi2FMUstate) { c.instance.restore(state.addr()) }
 
     /// Frees a stored state and sets it to null; null is no state and nothing happens.
@@ -357,12 +339,10 @@ exports! {
         Ok(())
     }
 
-    /// Bytes that a stored state takes.
     fn fmi2SerializedFMUstateSize(c, state: fmi2FMUstate, size: *mut usize) {
         put(size, c.instance.serialize(state.addr())?.len())
     }
 
-    /// Writes a stored state as bytes.
     fn fmi2SerializeFMUstate(c, state: fmi2FMUstate, bytes: *mut fmi2Byte, size: usize) {
         let written = c.instance.serialize(state.addr())?;
         let needed = written.len();
@@ -372,7 +352,6 @@ exports! {
         put_all(bytes.cast(), size, written)
     }
 
-    /// Reads a state that this FMU wrote, in this process or another one.
     fn fmi2DeSerializeFMUstate(c, bytes: *const fmi2Byte, size: usize, state: *mut fmi2FMUstate) {
         check_array(state, 1, "FMUstate")?;
         let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
@@ -396,7 +375,6 @@ exports! {
         put_all(dvUnknown, nUnknown, slopes)
     }
 
-    /// Time derivatives of inputs at the start of the next step.
     fn fmi2SetRealInputDerivatives(
         c,
         vr: References,
@@ -421,7 +399,6 @@ exports! {
         put_all(value, nvr, c.instance.output_derivatives(references, orders)?)
     }
 
-    /// One communication step.
     fn fmi2DoStep(c, point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) {
         c.instance.do_step(point, step)
     }
@@ -429,7 +406,6 @@ exports! {
     /// Refused: a step is never in progress when a call returns.
     fn fmi2CancelStep(_c) { Ok(()) }
 
-    /// Status of the last step; pending steps there are none.
     fn fmi2GetStatus(c, kind: fmi2StatusKind, value: *mut fmi2Status) {
         match (kind, c.instance.state()) {
             (fmi2DoStepStatus, State::Error) => put(value, fmi2Error),
@@ -438,7 +414,6 @@ exports! {
         }
     }
 
-    /// Time up to which the last step came.
     fn fmi2GetRealStatus(c, kind: fmi2StatusKind, value: *mut fmi2Real) {
         match kind {
             fmi2LastSuccessfulTime => put(value, c.instance.time()),
@@ -446,7 +421,6 @@ exports! {
         }
     }
 
-    /// Discards: there is no status of type Integer.
     fn fmi2GetIntegerStatus(_c, kind: fmi2StatusKind, _value: *mut fmi2Integer) { no_status(kind) }
 
     /// Whether the FMU wants to end the simulation: never.
@@ -457,16 +431,13 @@ exports! {
         }
     }
 
-    /// Discards: there is no pending step to report on.
     fn fmi2GetStringStatus(_c, kind: fmi2StatusKind, _value: *mut fmi2String) { no_status(kind) }
 
-    /// The host handles an event: inputs and tunable parameters may jump.
     fn fmi2EnterEventMode(c) { c.enter(State::EventMode) }
 
     /// There are no discrete states: one iteration is enough, and no event is to come.
     fn fmi2NewDiscreteStates(_c, info: *mut fmi2EventInfo) { put(info, fmi2EventInfo::default()) }
 
-    /// The host integrates.
     fn fmi2EnterContinuousTimeMode(c) { c.enter(State::ContinuousTimeMode) }
 
     /// Requests nothing, and need not be called: outputs depend on nothing that came before.
@@ -481,31 +452,24 @@ exports! {
     }
 
     /// The time, on which nothing depends.
-    fn fmi2SetTime(c, time: fmi2Real) { c.instance.set_time(time) }
+    fn fmi2SetTime(c, time: fmi2Real) { c.instance.state.clock.set(time) }
 
-    /// There are no continuous states.
     fn fmi2SetContinuousStates(_c, _x: *const fmi2Real, nx: usize) { none(nx) }
 
-    /// There are no continuous states.
     fn fmi2GetDerivatives(_c, _derivatives: *mut fmi2Real, nx: usize) { none(nx) }
 
-    /// There are no event indicators.
     fn fmi2GetEventIndicators(_c, _indicators: *mut fmi2Real, ni: usize) { none(ni) }
 
-    /// There are no continuous states.
     fn fmi2GetContinuousStates(_c, _x: *mut fmi2Real, nx: usize) { none(nx) }
 
-    /// There are no continuous states.
     fn fmi2GetNominalsOfContinuousStates(_c, _nominals: *mut fmi2Real, nx: usize) { none(nx) }
 }
 
-/// The platform of the types, "default".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetTypesPlatform() -> fmi2String {
     c"default".as_ptr()
 }
 
-/// The version of the interface, "2.0".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetVersion() -> fmi2String {
     c"2.0".as_ptr()
@@ -547,26 +511,26 @@ pub unsafe extern "C" fn fmi2Instantiate(
     made.unwrap_or(ptr::null_mut())
 }
 
-/// A new instance for the interface that the host names.
+/// For the interface of this `kind`.
 fn instantiate(
     kind: fmi2Type,
     name: &str,
     guid: &str,
     location: &str,
 ) -> Result<Instance, Refusal> {
+    let refuse = |message: String| Err(Refusal::error(message));
     let interface = match kind {
         fmi2ModelExchange => Interface::ModelExchange,
         fmi2CoSimulation => Interface::CoSimulation,
         _ => {
-            return Err(Refusal::error(format!(
+            return refuse(format!(
                 "fmuType = {kind}; this FMU is for model exchange ({fmi2ModelExchange}) \
                  and co-simulation ({fmi2CoSimulation})"
-            )));
+            ));
         }
     };
     if name.is_empty() {
-        let message = "instanceName is empty; give the instance a name";
-        return Err(Refusal::error(message));
+        return refuse("instanceName is empty; give the instance a name".into());
     }
     Ok(Instance::new(resources::load(location, guid)?, interface))
 }

@@ -138,7 +138,6 @@ impl Instance {
     }
 
     /// See [`Function::admit`].
-    /// Errors: the function may not be called now.
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
         function.admit(self.state(), self.state.interface)
@@ -148,17 +147,6 @@ impl Instance {
     /// Errors: as [`Clock::setup`].
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.state.clock.setup(start, stop)
-    }
-
-    /// fmi2SetTime.
-    /// Errors: a time that is not finite.
-    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
-        self.state.clock.set(time)
-    }
-
-    /// fmi2EnterInitializationMode, fmi2EnterEventMode, fmi2EnterContinuousTimeMode, fmi2Terminate.
-    pub fn enter(&mut self, state: State) {
-        self.state.state = state;
     }
 
     /// fmi2ExitInitializationMode: makes the element and takes the phases of the teeth.

@@ -30,7 +30,7 @@ pub(in crate::fmi) fn instance(
     };
     let resources = Arc::new(Resources::new(unit, tables, None).unwrap());
     let mut instance = Instance::new(resources, interface);
-    instance.enter(State::InitializationMode);
+    instance.state.state = State::InitializationMode;
     instance
 }
 
@@ -223,7 +223,7 @@ fn input_derivatives_hold_for_the_coming_step_whether_values_are_set_before_or_a
 fn range_warnings_come_with_the_outputs_and_end_after_a_hundred() {
     let (mut instance, nominal) = on_tables(Interface::ModelExchange);
     instance.exit_initialization().unwrap();
-    instance.enter(State::ContinuousTimeMode);
+    instance.state.state = State::ContinuousTimeMode;
     let mut said = Vec::new();
     for round in 0..150 {
         for apart in [10e-3, 11e-3, 0.0] {

@@ -8,6 +8,8 @@
 //! A flank is a potential W(delta, C, M, PMC) (see [`Potential`]): the force is dW/d delta, shuttling dW/dM, and
 //! dW/dC and dW/dPMC close the energy balance.
 
+mod axes;
+mod block;
 mod error;
 mod file;
 mod grid;
@@ -20,13 +22,13 @@ mod summary;
 mod teeth;
 
 pub use crate::accuracy::{InterpolationError, RootStressError};
+pub use axes::{Axes, Axis};
 pub use error::TableError;
 pub use file::{TableFile, VERSION};
-pub use grid::{Axes, Axis, FlankGrid};
-pub use interpolation::{FlankTable, Interpolation};
+pub use grid::FlankGrid;
+pub use interpolation::{FlankTable, Interpolation, LoadJet, LoadSpline};
 pub use records::{
-    Columns, FrictionRecord, LoadAxes, LoadJet, LoadSpline, RootStressRecord, RootStressSamples,
-    SlidingSamples,
+    Columns, FrictionRecord, LoadAxes, RootStressRecord, RootStressSamples, SlidingSamples,
 };
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 

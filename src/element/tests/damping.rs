@@ -46,7 +46,7 @@ fn loads_are_minus_the_transpose_of_rates() {
 fn the_damping_force_has_a_continuous_slope_while_the_flanks_part_faster_and_faster() {
     let element = damped(Formulation::Conjugate, 1e5);
     let cos_phi = element.constants.cos_phi;
-    let force = |rate: f64| element.damper.force(1000.0, rate, cos_phi);
+    let force = |rate: f64| element.damping(1000.0, rate, cos_phi);
     let coefficient = 1e5 / cos_phi.powi(2);
     // Small rates feel c, large ones cannot take off more than the flanks press with.
     assert_relative_eq!(force(-1e-3), -1e-3 * coefficient, max_relative = 1e-12);

@@ -82,7 +82,7 @@ fn effects_that_are_off_change_no_bit_and_a_table_without_them_is_refused_by_nam
         };
         let [one, two, with] = [(plain, &table), (plain, &bare), (stressed, &table)]
             .map(|(p, table)| Element::new(&pair, &p, Some(table.clone())).unwrap());
-        assert!(one.friction.is_none() && one.root_stress.is_none());
+        assert!(one.friction.is_none());
         let phase = nominal_phase(&one);
         for _ in 0..50 {
             let inputs = random_pose(&one, &mut noise);

@@ -1,7 +1,7 @@
 //! Claims about a turning carrier, and poses and parameters at and beyond the limits.
 
 use super::*;
-use crate::element::contact::radial_share;
+use crate::element::engagement::radial_share;
 use crate::gear::samples::{gear, thinned};
 use crate::gear::{GearKind, PairGeometry};
 use std::f64::consts::FRAC_PI_2;

@@ -1,51 +1,9 @@
 //! From values at the nodes of a grid to the coefficients of tensor B-splines.
 
 use super::basis::{Basis, Ends};
+use crate::table::block::Block;
 use crate::table::error::refused;
 use crate::table::{Axis, TableError};
-
-/// A dense array over (centre distance, misalignment, displacement, mesh position), the last index fastest.
-#[derive(Debug, Clone)]
-pub struct Block {
-    pub lengths: [usize; 4],
-    pub values: Vec<f64>,
-}
-
-impl Block {
-    pub fn stride(&self, axis: usize) -> usize {
-        self.lengths[axis + 1..].iter().product()
-    }
-
-    pub fn lines(&self, axis: usize) -> impl Iterator<Item = usize> + use<> {
-        let (n, stride) = (self.lengths[axis], self.stride(axis));
-        (0..self.values.len() / (n * stride))
-            .flat_map(move |outer| (0..stride).map(move |inner| outer * n * stride + inner))
-    }
-
-    /// The block with every line along `axis` taken by `map` to one of the length `length`.
-    pub fn mapped(
-        &self,
-        axis: usize,
-        length: usize,
-        mut map: impl FnMut(Vec<f64>) -> Vec<f64>,
-    ) -> Block {
-        let mut lengths = self.lengths;
-        lengths[axis] = length;
-        let mut out = Block {
-            lengths,
-            values: vec![0.0; lengths.iter().product()],
-        };
-        let stride = self.stride(axis);
-        for (from, to) in self.lines(axis).zip(out.lines(axis)) {
-            let line = self.values[from..].iter().step_by(stride);
-            let line = map(line.take(self.lengths[axis]).copied().collect());
-            for (k, value) in line.into_iter().enumerate() {
-                out.values[to + k * stride] = value;
-            }
-        }
-        out
-    }
-}
 
 /// Ends of the cells of an interpolant of degree `degree` whose data sit at `nodes` (periodic: over
 /// [0, 1), period 1; onset: without the zero at 0), so that there are as many functions as nodes.

@@ -9,7 +9,7 @@
 //! u = (delta - D0) / S and W(delta, y) = S(y) w(u, y), hence F = dW/d delta = dw/du.
 
 use super::basis::{Basis, Weights};
-use super::fit::Block;
+use crate::table::block::Block;
 use crate::table::{Potential, Query};
 use crate::vector::{Lanes, dot};
 

@@ -7,12 +7,13 @@
 mod basis;
 mod fit;
 mod kernel;
+mod load;
 mod shepard;
 mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
-pub(crate) use fit::{Block, Others, at_zero, axis};
-pub(crate) use kernel::{ANY, Coefficients, Point};
+pub(crate) use fit::{at_zero, axis};
+pub use load::{LoadJet, LoadSpline};
 
 use super::{FlankGrid, Potential, Query, TableError};
 use crate::root::bisection;

@@ -11,9 +11,10 @@
 //! potential, as with the spline. What the method lacks: the force may fall over u between the nodes.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, axis, breaks, integrated, make_increasing};
+use super::fit::{axis, breaks, integrated, make_increasing};
 use super::kernel::{ANY, Frame, Jet, SECOND, Shape};
 use super::tensor::Tensor;
+use crate::table::block::Block;
 use crate::table::{Axis, COORDINATES, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;
 use nalgebra::{Matrix4, Vector4};

@@ -10,9 +10,10 @@
 //! keeps at least half of its least value and no force decreases over the displacement.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, Others, axis, breaks, integrated, make_increasing};
+use super::fit::{Others, axis, breaks, integrated, make_increasing};
 use super::kernel::{ANY, Coefficients, Frame, Framed, Shape};
 use crate::root::bisection;
+use crate::table::block::Block;
 use crate::table::error::refused;
 use crate::table::{Axis, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;

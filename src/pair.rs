@@ -8,10 +8,9 @@ use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
 /// Fineness of the finite-element model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[allow(missing_docs)]
 pub enum Refinement {
-    /// Quickest.
     Coarse,
-    /// The default.
     #[default]
     Normal,
     /// For convergence studies.

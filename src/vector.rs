@@ -51,26 +51,20 @@ impl Lanes {
     /// `sum` += `factor` `row`.
     #[inline(always)]
     pub fn add<const N: usize>(self, sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
-        #[cfg(target_arch = "x86_64")]
-        if self.avx {
-            let (fours, rest) = sum.as_chunks_mut::<4>();
-            let (row_fours, row_rest) = row.as_chunks::<4>();
-            for (s, r) in fours.iter_mut().zip(row_fours) {
-                // Safety: `avx` is set.
-                #[allow(unsafe_code)]
-                unsafe {
-                    avx::add(s, factor, r);
-                }
-            }
-            return add_pairs(rest, factor, row_rest);
-        }
-        add_pairs(sum, factor, row);
+        self.combine::<true>(sum, factor, row);
     }
 
     /// `factor` `row`.
     #[inline(always)]
     pub fn scaled<const N: usize>(self, factor: f64, row: &[f64; N]) -> [f64; N] {
         let mut out = [0.0; N];
+        self.combine::<false>(&mut out, factor, row);
+        out
+    }
+
+    /// `out` = `factor` `row`, with what it was before if `ADD`, by fours, pairs and what is left.
+    #[inline(always)]
+    fn combine<const ADD: bool>(self, mut out: &mut [f64], factor: f64, mut row: &[f64]) {
         #[cfg(target_arch = "x86_64")]
         if self.avx {
             let (fours, rest) = out.as_chunks_mut::<4>();
@@ -79,69 +73,39 @@ impl Lanes {
                 // Safety: `avx` is set.
                 #[allow(unsafe_code)]
                 unsafe {
-                    avx::scale(o, factor, r);
+                    combine_four::<ADD>(o, factor, r);
                 }
             }
-            scale_pairs(rest, factor, row_rest);
-            return out;
+            (out, row) = (rest, row_rest);
         }
-        scale_pairs(&mut out, factor, row);
-        out
-    }
-}
-
-/// `sum` += `factor` `row` by pairs and what is left.
-#[inline(always)]
-fn add_pairs(sum: &mut [f64], factor: f64, row: &[f64]) {
-    let (pairs, single) = sum.as_chunks_mut::<2>();
-    let (row_pairs, row_single) = row.as_chunks::<2>();
-    for (s, r) in pairs.iter_mut().zip(row_pairs) {
-        *s = (f64x2::new(*s) + f64x2::splat(factor) * f64x2::new(*r)).to_array();
-    }
-    for (s, r) in single.iter_mut().zip(row_single) {
-        *s += factor * r;
-    }
-}
-
-/// `out` = `factor` `row` by pairs and what is left.
-#[inline(always)]
-fn scale_pairs(out: &mut [f64], factor: f64, row: &[f64]) {
-    let (pairs, single) = out.as_chunks_mut::<2>();
-    let (row_pairs, row_single) = row.as_chunks::<2>();
-    for (o, r) in pairs.iter_mut().zip(row_pairs) {
-        *o = (f64x2::splat(factor) * f64x2::new(*r)).to_array();
-    }
-    for (o, r) in single.iter_mut().zip(row_single) {
-        *o = factor * r;
+        let (pairs, single) = out.as_chunks_mut::<2>();
+        let (row_pairs, row_single) = row.as_chunks::<2>();
+        for (o, r) in pairs.iter_mut().zip(row_pairs) {
+            let mut sum = f64x2::splat(factor) * f64x2::new(*r);
+            if ADD {
+                sum += f64x2::new(*o);
+            }
+            *o = sum.to_array();
+        }
+        for (o, r) in single.iter_mut().zip(row_single) {
+            *o = if ADD { *o + factor * r } else { factor * r };
+        }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx")]
 #[allow(unsafe_code)]
-mod avx {
-    use std::arch::x86_64::{
-        _mm256_add_pd, _mm256_loadu_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
-    };
-
-    #[target_feature(enable = "avx")]
-    #[inline]
-    pub fn add(sum: &mut [f64; 4], factor: f64, row: &[f64; 4]) {
-        // Safety: all pointers are to four numbers.
-        unsafe {
-            let product = _mm256_mul_pd(_mm256_set1_pd(factor), _mm256_loadu_pd(row.as_ptr()));
-            let new = _mm256_add_pd(_mm256_loadu_pd(sum.as_ptr()), product);
-            _mm256_storeu_pd(sum.as_mut_ptr(), new);
+#[inline]
+fn combine_four<const ADD: bool>(out: &mut [f64; 4], factor: f64, row: &[f64; 4]) {
+    use std::arch::x86_64::*;
+    // Safety: all pointers are to four numbers.
+    unsafe {
+        let mut sum = _mm256_mul_pd(_mm256_set1_pd(factor), _mm256_loadu_pd(row.as_ptr()));
+        if ADD {
+            sum = _mm256_add_pd(_mm256_loadu_pd(out.as_ptr()), sum);
         }
-    }
-
-    #[target_feature(enable = "avx")]
-    #[inline]
-    pub fn scale(out: &mut [f64; 4], factor: f64, row: &[f64; 4]) {
-        // Safety: all pointers are to four numbers.
-        unsafe {
-            let product = _mm256_mul_pd(_mm256_set1_pd(factor), _mm256_loadu_pd(row.as_ptr()));
-            _mm256_storeu_pd(out.as_mut_ptr(), product);
-        }
+        _mm256_storeu_pd(out.as_mut_ptr(), sum);
     }
 }
 

@@ -119,52 +119,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_of_unit_leaves_no_digits_behind() {
-        assert_eq!(rounded(60e-6 * 1e6).to_string(), "60");
-        assert_eq!(rounded(59.99999999999999).to_string(), "60");
-        assert_eq!(rounded(-0.0).to_string(), "0");
-        assert_eq!(rounded(82.104).to_string(), "82.104");
-        assert!(rounded(f64::NAN).is_nan());
-        assert_eq!(fixed(3.3357e305, 2), "3.34e305");
-        assert_eq!(fixed(-1e-9, 2), "0.00");
-    }
-
-    #[test]
-    fn digits_are_counted_and_cut_in_decimals() {
-        assert_eq!(to_digits(1.2999e-6, 2, f64::floor), 1.2e-6);
-        assert_eq!(to_digits(1034.6, 3, f64::round), 1030.0);
-        assert_eq!(to_digits(9.996, 3, f64::round), 10.0);
-        for (value, text) in [
-            (0.0, "0"),
-            (0.25, "0.2500"),
-            (1034.6, "1035"),
-            (2.5e8, "2.500e8"),
-            (-0.001, "-1.000e-3"),
+    fn numbers_have_no_digits_that_a_change_of_unit_or_a_double_adds_and_zeros_no_sign() {
+        for (shown, text) in [
+            (rounded(60e-6 * 1e6).to_string(), "60"),
+            (rounded(59.99999999999999).to_string(), "60"),
+            (rounded(-0.0).to_string(), "0"),
+            (rounded(82.104).to_string(), "82.104"),
+            (rounded(f64::NAN).to_string(), "NaN"),
+            (fixed(3.3357e305, 2), "3.34e305"),
+            (fixed(-1e-9, 2), "0.00"),
+            (fixed(-0.06, 1), "-0.1"),
+            (fixed(0.0, 0), "0"),
+            (significant(0.0, 4), "0"),
+            (significant(0.25, 4), "0.2500"),
+            (significant(1034.6, 4), "1035"),
+            (significant(2.5e8, 4), "2.500e8"),
+            (significant(-0.001, 4), "-1.000e-3"),
+            (to_digits(1.2999e-6, 2, f64::floor).to_string(), "0.0000012"),
+            (to_digits(1034.6, 3, f64::round).to_string(), "1030"),
+            (to_digits(9.996, 3, f64::round).to_string(), "10"),
+            (number(1e300), "1e300"),
+            (number(-2.5e-300), "-2.5e-300"),
+            (number(1e-20), "1e-20"),
+            (number(0.0), "0"),
+            (number(0.08210400000000001), "0.08210400000000001"),
+            (count(1, "misalignment"), "1 misalignment"),
+            (count(0, "node"), "0 nodes"),
         ] {
-            assert_eq!(significant(value, 4), text);
+            assert_eq!(shown, text);
         }
-    }
-
-    #[test]
-    fn a_zero_has_no_sign() {
-        assert_eq!(fixed(-0.04, 1), "0.0");
-        assert_eq!(fixed(-0.06, 1), "-0.1");
-        assert_eq!(fixed(0.0, 0), "0");
-    }
-
-    #[test]
-    fn one_is_no_plural() {
-        assert_eq!(count(1, "misalignment"), "1 misalignment");
-        assert_eq!(count(0, "node"), "0 nodes");
-    }
-
-    #[test]
-    fn a_number_does_not_fill_the_line() {
-        assert_eq!(number(1e300), "1e300");
-        assert_eq!(number(-2.5e-300), "-2.5e-300");
-        assert_eq!(number(1e-20), "1e-20");
-        assert_eq!(number(0.0), "0");
-        assert_eq!(number(0.08210400000000001), "0.08210400000000001");
     }
 
     #[test]

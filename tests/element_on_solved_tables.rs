@@ -348,7 +348,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
             root_stress: true,
             ..undamped(formulation, LoadedFlank::Drive)
         };
-        let file = table.file().clone();
+        let file = table.file.clone();
         let table = Table::with_effects(file, parameters.table_effects(geometry)).unwrap();
         let table = Some(Arc::new(table));
         match stiffness_model {

@@ -22,12 +22,12 @@ const STATES: usize = 1040;
 /// velocities of resonance and impact.
 fn state(element: &Element, table: &Table, random: &mut Random) -> Inputs {
     let mut next = || random.within([-1.0, 1.0]);
-    let gears = &table.geometry().gears;
+    let gears = &table.file.geometry.gears;
     let mut inputs = element.nominal_inputs();
     let depth = 20e-6 * next();
     let backlash = if depth < 0.0 { -60e-6 } else { 0.0 };
     let turn = 3.0 * next();
-    let ratio = -table.geometry().e() * gears[0].z() / gears[1].z();
+    let ratio = -table.file.geometry.e() * gears[0].z() / gears[1].z();
     let spins = [
         turn + (depth + backlash) / gears[0].base_radius(),
         ratio * turn,
@@ -77,7 +77,7 @@ fn undamped(table: &Arc<Table>, formulation: Formulation, interpolation: Interpo
         interpolation,
         ..common::undamped(formulation, LoadedFlank::Both)
     };
-    Element::new(table.geometry(), &parameters, Some(table.clone())).unwrap()
+    Element::new(&table.file.geometry, &parameters, Some(table.clone())).unwrap()
 }
 
 /// Laws with the dampers that are tried on them, N s/m.

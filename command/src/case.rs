@@ -103,7 +103,7 @@ impl Variant<'_> {
     pub fn geometry(&self) -> &PairGeometry {
         match self {
             Variant::Pair(solver, _) => solver.geometry(),
-            Variant::Tables(table) => table.geometry(),
+            Variant::Tables(table) => &table.file.geometry,
         }
     }
 
@@ -132,7 +132,7 @@ impl Variant<'_> {
 }
 
 fn of_table(table: &Table, input: CycleInput) -> Case {
-    let geometry = table.geometry();
+    let geometry = &table.file.geometry;
     let force = input.torque / geometry.gears[0].base_radius();
     let (flank, _) = table.flank(Flank::Drive);
     let result = |&mesh_position: &f64| {

@@ -129,7 +129,7 @@ pub fn check_file(file: TableFile) -> bool {
 
 /// Every level of detail that the file serves.
 fn evaluate(table: &Table) {
-    let file = table.file();
+    let file = &table.file;
     for (interpolation, load) in [
         (Interpolation::Spline, Load::Variable),
         (Interpolation::Linear, Load::Variable),
@@ -142,7 +142,7 @@ fn evaluate(table: &Table) {
             friction: file.friction.is_some(),
             root_stress: file.root_stress.is_some(),
             teeth: file.teeth.is_some(),
-            ..*table.effects()
+            ..table.effects
         };
         let Some(table) = told(Table::with_effects(file.clone(), effects)) else {
             continue;

@@ -131,7 +131,7 @@ impl Law {
     /// `flank` of the pair's table, with the effects that it was made for.
     /// Errors: tooth pairs are among the effects and the table does not have them.
     pub(crate) fn on_table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
-        let effects = *table.effects();
+        let effects = table.effects;
         let (source, mirrored) = if effects.teeth {
             let (_, mirrored) = table.teeth(flank).ok_or(TableError::NO_TEETH)?;
             (Source::Teeth(table.clone(), flank), mirrored)

@@ -147,10 +147,10 @@ impl Element {
             }
             (StiffnessModel::Table | StiffnessModel::Teeth, Some(table)) => table,
         };
-        if *table.effects() != effects {
-            table = Arc::new(Table::with_effects(table.file().clone(), effects)?);
+        if table.effects != effects {
+            table = Arc::new(Table::with_effects(table.file.clone(), effects)?);
         }
-        let file = table.file();
+        let file = &table.file;
         let largest = file.maximum_torque_nm;
         // Else the damping would never act in full, without a word.
         if parameters.damping_onset * parameters.nominal_torque > largest {
@@ -161,7 +161,7 @@ impl Element {
         }
         let [drive, coast] = FLANKS.map(|flank| Law::on_table(&table, flank));
         let mut element = Self::build(pair, parameters, [drive?, coast?])?;
-        let teeth = (file.teeth.as_ref()).filter(|_| table.effects().teeth);
+        let teeth = (file.teeth.as_ref()).filter(|_| table.effects.teeth);
         if parameters.friction {
             // Tooth pairs find how the load slides with their forces.
             let record = file.friction.as_ref().filter(|_| teeth.is_none());
@@ -200,11 +200,6 @@ impl Element {
     /// Sets the damping (the one tunable parameter), N s/m, tangential, >= 0.
     pub fn set_damping(&mut self, damping: f64) {
         self.parameters.damping = damping;
-    }
-
-    /// The parameters it was made with.
-    pub fn parameters(&self) -> &Parameters {
-        &self.parameters
     }
 
     /// Line-of-action length per tangential length at `center_distance` (m): cos phi.

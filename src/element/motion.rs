@@ -64,17 +64,17 @@ impl Motion {
             ("angular velocity", self.w.sum()),
             ("their sum", sum),
         ];
-        Err(ElementError(
-            match parts.iter().find(|(_, sum)| !sum.is_finite()) {
-                Some((quantity, _)) => format!(
-                    "{body}: {quantity} is not finite; every position and velocity must be a finite number"
-                ),
-                None => format!(
-                    "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); \
+        let bad = parts.iter().find(|(_, sum)| !sum.is_finite());
+        let reason = match bad {
+            Some((quantity, _)) => format!(
+                "{quantity} is not finite; every position and velocity must be a finite number"
+            ),
+            None => format!(
+                "the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); \
                  normalise the quaternion or rebuild the matrix"
-                ),
-            },
-        ))
+            ),
+        };
+        Err(ElementError(format!("{body}: {reason}")))
     }
 }
 

@@ -54,7 +54,7 @@ pub struct Step {
     /// Flank that the approach refers to: +1 drive, -1 coast.
     sign: f64,
     /// s.
-    length: f64,
+    pub length: f64,
     /// Forces along the turn that act in the step, in the one after it as far as it is known, and in the one before it, N,
     /// positive from the drive flank.
     force: f64,
@@ -280,11 +280,6 @@ impl Mesh<f64> {
 }
 
 impl Step {
-    /// s.
-    pub fn length(&self) -> f64 {
-        self.length
-    }
-
     /// Whether a prediction can have made it, its numbers being finite as all in JSON are.
     pub fn is_valid(&self) -> bool {
         let Sums { ours, other, .. } = self.sums;

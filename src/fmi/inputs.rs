@@ -77,16 +77,15 @@ impl Resolution {
 impl InputValues {
     /// The inputs with these values, constant.
     pub fn new(values: [f64; INPUTS]) -> Self {
+        let (bodies, _) = values.as_chunks();
         Self {
-            values: std::array::from_fn(|body| {
-                std::array::from_fn(|k| values[body * BODY_INPUTS + k])
-            }),
+            values: bodies.try_into().expect("as many inputs"),
             derivatives: BTreeMap::new(),
             derivatives_spent: false,
         }
     }
 
-    /// Value of input `i`.
+    /// Input `i`.
     pub fn get(&self, i: usize) -> f64 {
         self.values.as_flattened()[i]
     }

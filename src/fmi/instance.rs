@@ -19,7 +19,7 @@ use super::variables::{
 use super::{Refusal, Severity};
 use crate::element::{
     BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, Formulation, Inputs, Jacobian,
-    Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
+    Loads, Outputs, PhaseOffset, Prediction, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -27,7 +27,7 @@ use crate::words::number;
 pub struct Instance {
     pub(super) resources: Arc<Resources>,
     pub(super) state: InstanceState,
-    /// By handle, see [`Instance::store`].
+    /// By handle.
     stored: HashMap<usize, InstanceState>,
     /// Those of the parameters in `state`.
     settings: Settings,
@@ -144,7 +144,6 @@ impl Instance {
     }
 
     /// fmi2SetupExperiment.
-    /// Errors: as [`Clock::setup`].
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.state.clock.setup(start, stop)
     }
@@ -171,7 +170,6 @@ impl Instance {
         Ok(())
     }
 
-    /// Leaves a message for the log.
     fn report(&mut self, severity: Severity, text: &str) {
         let text = format!("t = {} s: {text}", number(self.time()));
         self.events.push((severity, text));
@@ -377,7 +375,7 @@ impl Instance {
     /// Outputs at the present state.
     fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
         if self.outputs.is_none() {
-            let last = self.state.step.as_ref().map(Step::length);
+            let last = self.state.step.map(|step| step.length);
             let (all, loads) = match (self.settings.coupling, self.state.loads, last) {
                 // Of a step as long as the last one.
                 (Coupling::Sequential, None, Some(length)) => {

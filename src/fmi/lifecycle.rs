@@ -9,33 +9,26 @@ use super::variables::check_finite;
 
 /// State of one instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
+#[allow(missing_docs)]
 pub enum State {
-    /// After fmi2Instantiate or fmi2Reset.
     Instantiated,
-    /// Between fmi2EnterInitializationMode and fmi2ExitInitializationMode.
     InitializationMode,
-    /// Co-simulation: ready for fmi2DoStep ("stepComplete" of the standard).
+    /// Co-simulation: ready for fmi2DoStep.
     StepComplete,
-    /// Model exchange: between fmi2ExitInitializationMode or fmi2EnterEventMode and
-    /// fmi2EnterContinuousTimeMode.
+    /// Model exchange, as the next.
     EventMode,
-    /// Model exchange: the host integrates.
     ContinuousTimeMode,
-    /// After fmi2Terminate.
     Terminated,
     /// After a call returned fmi2Error: a stored state, fmi2Reset or fmi2FreeInstance lead out.
     Error,
-    /// After a call returned fmi2Fatal.
     Fatal,
 }
 
 /// What an instance was made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
 pub enum Interface {
-    /// fmi2CoSimulation.
     CoSimulation,
-    /// fmi2ModelExchange.
     ModelExchange,
 }
 
@@ -123,11 +116,11 @@ const ROUNDINGS: f64 = 16.0;
 /// Where the simulation stands.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clock {
-    /// Start of the experiment, s.
+    /// Of the experiment, s.
     start: f64,
     /// Current communication point, s.
     time: f64,
-    /// End of the experiment, s, if the host set one.
+    /// Of the experiment, s.
     stop: Option<f64>,
     /// Start of the last step, s; `None` before the first one.
     previous: Option<f64>,

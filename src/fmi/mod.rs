@@ -24,16 +24,13 @@ use crate::element::ElementError;
 
 /// What a message to the host is about, in the order of fmi2Status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
 pub enum Severity {
-    /// fmi2OK: an event.
+    /// fmi2OK.
     Event,
-    /// fmi2Warning: the outputs are not to be trusted.
     Warning,
-    /// fmi2Discard: not available, state unchanged.
     Discard,
-    /// fmi2Error.
     Error,
-    /// fmi2Fatal.
     Fatal,
 }
 

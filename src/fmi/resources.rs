@@ -138,7 +138,7 @@ impl Resources {
 
     /// One table in memory for all who ask for the same `effects`, while one of them still holds it.
     fn table(&self, file: &Arc<TableFile>, effects: Effects) -> Result<Arc<Table>, TableError> {
-        let suits = |table: &Table| *table.effects() == effects;
+        let suits = |table: &Table| table.effects == effects;
         shared(&self.made, suits, || {
             Table::with_effects(file.clone(), effects).map(Arc::new)
         })
@@ -394,7 +394,7 @@ mod tests {
         );
         assert!(Arc::ptr_eq(&one, &two) && !Arc::ptr_eq(&one, &fewer));
         assert!(
-            Arc::ptr_eq(one.file(), fewer.file()),
+            Arc::ptr_eq(&one.file, &fewer.file),
             "the samples are shared even then"
         );
         drop((one, two, fewer));

@@ -14,54 +14,44 @@ pub enum Kind {
     Enumeration,
 }
 
-/// Role of a variable towards the host.
+/// Role of a variable towards the host, as in the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
 pub enum Causality {
-    /// Set by the host at any communication point.
     Input,
-    /// Computed by the FMU.
     Output,
-    /// Set by the host before or in initialization; later only where tunable.
     Parameter,
 }
 
-/// When a variable may change.
+/// When a variable may change, as in the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
 pub enum Variability {
-    /// At any time.
     Continuous,
-    /// A parameter that is fixed after initialization.
     Fixed,
-    /// A parameter that may change between communication steps.
     Tunable,
 }
 
-/// One scalar variable of the FMU.
+/// One scalar variable of the FMU, as in modelDescription.xml.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
 pub struct Variable {
-    /// Name as in modelDescription.xml.
     pub name: &'static str,
-    /// Value reference, unique over all base types.
+    /// Unique over all base types.
     pub value_reference: u32,
-    /// Base type.
     pub kind: Kind,
-    /// Role.
     pub causality: Causality,
-    /// When it may change.
     pub variability: Variability,
     /// Start value of the template (a packed FMU may have another one); Boolean as 0 or 1.
     pub start: Option<f64>,
-    /// Smallest legal value.
     pub min: Option<f64>,
-    /// Largest legal value.
     pub max: Option<f64>,
     /// Size that its values usually have, in its unit.
     pub nominal: f64,
-    /// Unit, empty for types without one.
+    /// Empty for types without one.
     pub unit: &'static str,
     /// Names of the items of an enumeration, counted from 1; empty for other types.
     pub items: &'static [&'static str],
-    /// Description as in modelDescription.xml.
     pub description: &'static str,
 }
 
@@ -110,19 +100,15 @@ pub fn output_row(i: usize) -> Option<usize> {
 /// Index in [`VARIABLES`] of the variable of this `kind` with this reference.
 /// Errors: no such variable, or one of another kind.
 pub fn find(kind: Kind, reference: u32) -> Result<usize, Refusal> {
-    let i = index_of(reference).ok_or_else(|| {
-        Refusal::error(format!(
-            "value reference {reference} belongs to no variable"
-        ))
-    })?;
-    let variable = &VARIABLES[i];
-    if variable.kind != kind {
-        return Err(Refusal::error(format!(
-            "{} (value reference {reference}) is a {:?}",
-            variable.name, variable.kind
-        )));
-    }
-    Ok(i)
+    let reason = match index_of(reference) {
+        Some(i) if VARIABLES[i].kind == kind => return Ok(i),
+        Some(i) => {
+            let Variable { name, kind, .. } = VARIABLES[i];
+            format!("{name} (value reference {reference}) is a {kind:?}")
+        }
+        None => format!("value reference {reference} belongs to no variable"),
+    };
+    Err(Refusal::error(reason))
 }
 
 /// Refuses NaN and infinities.

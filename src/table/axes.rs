@@ -6,14 +6,11 @@ use serde::{Deserialize, Serialize};
 
 /// A coordinate of the grid, in the order of [`Axes::lengths`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
 pub enum Axis {
-    /// Centre distance.
     CenterDistance,
-    /// Misalignment.
     Misalignment,
-    /// Displacement.
     Displacement,
-    /// Mesh position.
     MeshPosition,
 }
 

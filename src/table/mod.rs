@@ -32,7 +32,7 @@ pub use records::{
 };
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 
-use crate::gear::{Flank, PairGeometry};
+use crate::gear::Flank;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -56,25 +56,23 @@ impl Query {
     /// Its fields, in their order.
     #[inline]
     pub fn coordinates(&self) -> [f64; COORDINATES] {
-        let Query {
-            delta,
-            center_distance_offset,
-            misalignment,
-            mesh_position,
-        } = *self;
-        [delta, center_distance_offset, misalignment, mesh_position]
+        [
+            self.delta,
+            self.center_distance_offset,
+            self.misalignment,
+            self.mesh_position,
+        ]
     }
 }
 
 impl From<[f64; COORDINATES]> for Query {
     #[inline]
-    fn from(coordinates: [f64; COORDINATES]) -> Self {
-        let [delta, center_distance_offset, misalignment, mesh_position] = coordinates;
+    fn from([delta, c, m, p]: [f64; COORDINATES]) -> Self {
         Query {
             delta,
-            center_distance_offset,
-            misalignment,
-            mesh_position,
+            center_distance_offset: c,
+            misalignment: m,
+            mesh_position: p,
         }
     }
 }
@@ -154,8 +152,10 @@ impl Effects {
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
 #[derive(Debug)]
 pub struct Table {
-    file: Arc<TableFile>,
-    effects: Effects,
+    /// Samples, settings, measured error, and the pair.
+    pub file: Arc<TableFile>,
+    /// What it answers to.
+    pub effects: Effects,
     force: Flanks<FlankTable>,
     sliding: Option<Flanks<LoadSpline>>,
     root_stress: Option<Flanks<LoadSpline>>,
@@ -254,21 +254,6 @@ impl Table {
             effects,
             file,
         })
-    }
-
-    /// The pair these tables belong to.
-    pub fn geometry(&self) -> &PairGeometry {
-        &self.file.geometry
-    }
-
-    /// The file, with samples, settings and measured error.
-    pub fn file(&self) -> &Arc<TableFile> {
-        &self.file
-    }
-
-    /// What this table answers to.
-    pub fn effects(&self) -> &Effects {
-        &self.effects
     }
 
     /// The table of `flank`, and whether it is the drive flank's mirrored: then evaluate it at -M and take the opposite moment.

@@ -30,12 +30,8 @@ const UNIT: f64 = 1e-6;
 
 impl Spring {
     fn stiffness(q: &Query) -> [f64; 4] {
-        let (c, m, t) = (
-            q.center_distance_offset,
-            q.misalignment,
-            TAU * q.mesh_position,
-        );
-        let k = 1e6;
+        let [_, c, m, p] = q.coordinates();
+        let (t, k) = (TAU * p, 1e6);
         [
             k * (1.0 + 0.3 * t.cos() + 800.0 * c + 4e3 * m * m),
             k * 800.0,
@@ -45,11 +41,8 @@ impl Spring {
     }
 
     fn onset(q: &Query) -> [f64; 4] {
-        let (c, m, t) = (
-            q.center_distance_offset,
-            q.misalignment,
-            TAU * q.mesh_position,
-        );
+        let [_, c, m, p] = q.coordinates();
+        let t = TAU * p;
         [
             UNIT * (0.5 * t.sin() + 3e3 * c - 2e5 * m * m),
             UNIT * 3e3,
@@ -79,46 +72,34 @@ impl Spring {
     /// Samples of it; the top load is reached 8 µm (and a little, varying) after the onset.
     pub fn grid(counts: [usize; 4]) -> FlankGrid {
         let axes = axes(counts);
-        let mut grid = FlankGrid {
-            no_load_approach: vec![],
-            top_load_approach: vec![],
-            loa_force: vec![],
-            moment: Some(vec![]),
-            sliding: None,
-            axes: axes.clone(),
-        };
-        let at = |c: f64, m: f64, p: f64| Query {
-            delta: 0.0,
-            center_distance_offset: c,
-            misalignment: m,
-            mesh_position: p,
-        };
+        let [mut lows, mut highs, mut forces, mut moments] = [const { Vec::new() }; 4];
         for &c in &axes.center_distance_offset {
             for &m in &axes.misalignment {
                 let ends = |p: f64| {
-                    let low = Self::onset(&at(c, m, p))[0];
+                    let low = Self::onset(&Query::from([0.0, c, m, p]))[0];
                     (low, low + UNIT * (8.0 + (TAU * p).cos() + 5e2 * m))
                 };
                 for &p in &axes.mesh_position {
-                    grid.no_load_approach.push(ends(p).0);
-                    grid.top_load_approach.push(ends(p).1);
+                    lows.push(ends(p).0);
+                    highs.push(ends(p).1);
                 }
                 for &u in &axes.displacement_fraction {
                     for &p in &axes.mesh_position {
                         let (low, high) = ends(p);
-                        let w = Self::potential(&Query {
-                            delta: low + u * (high - low),
-                            ..at(c, m, p)
-                        });
-                        grid.loa_force.push(w.gradient[0]);
-                        grid.moment
-                            .as_mut()
-                            .expect("made above")
-                            .push(w.gradient[2]);
+                        let w = Self::potential(&Query::from([low + u * (high - low), c, m, p]));
+                        forces.push(w.gradient[0]);
+                        moments.push(w.gradient[2]);
                     }
                 }
             }
         }
-        grid
+        FlankGrid {
+            axes,
+            no_load_approach: lows,
+            top_load_approach: highs,
+            loa_force: forces,
+            moment: Some(moments),
+            sliding: None,
+        }
     }
 }

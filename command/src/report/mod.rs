@@ -177,7 +177,7 @@ impl Report {
             return Ok((pair.name, sections));
         }
         let table = Table::read(path)?;
-        let name = format!("tables of {}", table.file().name);
+        let name = format!("tables of {}", table.file.name);
         let variant = Variant::Tables(Box::new(table));
         let cases = variant.cases(&loads.torques, &[0.0], self.positions)?;
         let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;

@@ -183,8 +183,8 @@ struct Ste {
 impl Ste {
     /// At `torque` (on gear 1, N m), or at the largest of the tables.
     fn new(table: &Table, torque: f64) -> Ste {
-        let torque = torque.min(table.file().maximum_torque_nm);
-        let force = torque / table.geometry().gears[0].base_radius();
+        let torque = torque.min(table.file.maximum_torque_nm);
+        let force = torque / table.file.geometry.gears[0].base_radius();
         let (drive, _) = table.flank(Flank::Drive);
         let positions = (0..=POINTS).map(|i| i as f64 / POINTS as f64);
         let values = positions.map(|p| 1e6 * drive.approach_at(force, &nominal_pose(p)));

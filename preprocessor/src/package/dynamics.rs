@@ -182,8 +182,8 @@ pub struct Stiffness {
 impl Stiffness {
     /// From tables.
     pub fn of_table(table: &Table) -> Self {
-        let file = table.file();
-        let geometry = table.geometry();
+        let file = &table.file;
+        let geometry = &table.file.geometry;
         let force = file.nominal_torque_nm / geometry.gears[0].base_radius();
         let phi = geometry.operating_pressure_angle(geometry.center_distance);
         let tangential = phi.cos().powi(2);
@@ -440,8 +440,8 @@ mod tests {
         for name in ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"] {
             let table = Table::from_file(shipped_tables(name)).unwrap();
             let found = Stiffness::of_table(&table);
-            let torque = table.file().nominal_torque_nm;
-            let estimate = Stiffness::estimated(table.geometry(), torque).mean;
+            let torque = table.file.nominal_torque_nm;
+            let estimate = Stiffness::estimated(&table.file.geometry, torque).mean;
             let ratio = estimate / found.mean;
             assert!(
                 (0.75..1.25).contains(&ratio),

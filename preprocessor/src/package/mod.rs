@@ -77,7 +77,7 @@ pub fn pack(
         geometry: contents.geometry.clone(),
     };
     let table = contents.starts.table.as_ref();
-    let table_file = table.map(|table| &**table.file());
+    let table_file = table.map(|table| &*table.file);
     let tables = table_file.map(TableFile::to_json);
     let contact = contents.contact.map(ContactFile::to_bytes);
     unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);

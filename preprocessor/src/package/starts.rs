@@ -52,7 +52,7 @@ impl Starts {
     /// Tables that cannot be interpolated.
     pub fn of_tables(file: &TableFile) -> Result<Self, TableError> {
         let table = Table::from_file(file.clone())?;
-        let effects = *table.effects();
+        let effects = table.effects;
         let teeth = file.teeth.as_ref().is_some_and(TeethRecord::tells_apart);
         let moments = &file.drive.moment;
         let shuttling = effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0);

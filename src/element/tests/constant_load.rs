@@ -57,13 +57,8 @@ fn the_force_is_the_line_through_the_static_transmission_error_at_the_nominal_to
             for dc in [-50e-6, 0.0, 50e-6] {
                 // STE by formula: the spring's force over the displacement is the nominal one there.
                 let below = |delta| {
-                    let query = Query {
-                        delta,
-                        center_distance_offset: dc,
-                        misalignment: 0.0,
-                        mesh_position: n as f64 / GRID[3] as f64,
-                    };
-                    Spring::potential(&query).gradient[0] < 80.0
+                    let query = [delta, dc, 0.0, n as f64 / GRID[3] as f64];
+                    Spring::potential(&Query::from(query)).gradient[0] < 80.0
                 };
                 let ste = bisection([-1e-6, 20e-6], 60, below);
                 let force = |e: &Element, delta: f64| loa_force(e, &pressed(e, n, dc, delta));

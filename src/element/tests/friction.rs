@@ -66,7 +66,7 @@ fn friction_never_gives_energy_and_acts_on_both_gears_alike() {
 fn effects_that_are_off_change_no_bit_and_a_table_without_them_is_refused_by_name() {
     let pair = paper_pair(1.0);
     let table = rubbing_table(&pair, LAWS[0], false);
-    let mut bare = (**table.file()).clone();
+    let mut bare = (*table.file).clone();
     bare.friction = None;
     bare.root_stress = None;
     bare.seal();
@@ -155,7 +155,7 @@ fn loss_is_coefficient_times_load_times_sliding_in_either_sense() {
 #[test]
 fn flanks_that_just_roll_have_a_loss_factor_of_zero() {
     let pair = paper_pair(1.0);
-    let mut file = (**rubbing_table(&pair, LAWS[2], false).file()).clone();
+    let mut file = (*rubbing_table(&pair, LAWS[2], false).file).clone();
     let record = file.friction.as_mut().unwrap();
     // One contact line, which passes the pitch point at mesh position 0.
     let nodes = record.axes.mesh_position.clone();

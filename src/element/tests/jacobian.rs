@@ -57,7 +57,7 @@ fn compare(element: &Element, inputs: &Inputs, noise: &mut Noise, bar: f64, stif
         } else {
             bar
         };
-        let (found, known, law) = (exact[row], rough[row], element.parameters().formulation);
+        let (found, known, law) = (exact[row], rough[row], element.parameters.formulation);
         assert!(
             (found - known).abs() <= bar * scale,
             "{law:?} {row}: {found} {known}"

@@ -6,6 +6,15 @@ use crate::gear::{Flank, GearKind, PairGeometry};
 use crate::table::{Potential, Query};
 use std::sync::Mutex;
 
+/// The potential of a linear spring.
+fn spring(delta: f64) -> Potential {
+    let mut w = Potential::default();
+    if delta > 0.0 {
+        (w.value, w.gradient[0], w.hessian[0][0]) = (0.5e8 * delta * delta, 1e8 * delta, 1e8);
+    }
+    w
+}
+
 /// A spring that keeps what it is told of the teeth.
 #[derive(Default)]
 struct Listener(Mutex<Vec<Counts>>);
@@ -13,14 +22,7 @@ struct Listener(Mutex<Vec<Counts>>);
 impl Elasticity for Listener {
     fn evaluate(&self, query: &Query, counts: Counts, _: bool) -> Result<Potential, String> {
         self.0.lock().unwrap().push(counts);
-        let mut w = Potential::default();
-        let stiffness = 1e8;
-        if query.delta > 0.0 {
-            w.gradient[0] = stiffness * query.delta;
-            w.value = 0.5 * stiffness * query.delta.powi(2);
-            w.hessian[0][0] = stiffness;
-        }
-        Ok(w)
+        Ok(spring(query.delta))
     }
 
     fn tells_teeth_apart(&self) -> bool {
@@ -124,12 +126,7 @@ struct Unlike(Option<Passing>);
 impl Elasticity for Unlike {
     fn evaluate(&self, query: &Query, counts: Counts, _: bool) -> Result<Potential, String> {
         let closing = |teeth: &Passing| teeth.closing(counts, 0, query.mesh_position)[0];
-        let delta = query.delta + self.0.as_ref().map_or(0.0, closing);
-        let mut w = Potential::default();
-        if query.delta > 0.0 {
-            (w.value, w.gradient[0], w.hessian[0][0]) = (0.5e8 * delta * delta, 1e8 * delta, 1e8);
-        }
-        Ok(w)
+        Ok(spring(query.delta + self.0.as_ref().map_or(0.0, closing)))
     }
 
     fn tells_teeth_apart(&self) -> bool {

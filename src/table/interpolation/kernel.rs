@@ -56,86 +56,59 @@ fn put<const N: usize>(lanes: Lanes, time: usize, to: &mut [f64; N], factor: f64
     }
 }
 
-/// Sums over centre distance and misalignment, still open along the mesh position.
-#[derive(Clone, Copy)]
-struct Plane<const N: usize> {
-    value: [f64; N],
-    c: [f64; N],
-    m: [f64; N],
-    cc: [f64; N],
-    cm: [f64; N],
-    mm: [f64; N],
+/// Sums over centre distance and misalignment, still open along the mesh position: of the value and its derivatives C, M, CC, CM, MM.
+type Plane<const N: usize> = [[f64; N]; 6];
+
+/// Of `rows` from `start` on, `c` and `m` apart. `H`: with second derivatives.
+#[inline(always)]
+fn plane<const N: usize, const H: bool, const AXES: usize>(
+    lanes: Lanes,
+    rows: &[[f64; N]],
+    [start, c, m]: [usize; 3],
+    at: &Point<N>,
+) -> Plane<N> {
+    let (wc, wm) = (&at.c, &at.m);
+    let [nc, nm] = at.counts::<AXES>();
+    let mut sum = [[0.0; N]; 6];
+    for i in 0..nc {
+        let first = &rows[start + i * c];
+        let mut a = lanes.scaled(wm.value[0], first);
+        let mut a_m = lanes.scaled(wm.slope[0], first);
+        let mut a_mm = lanes.scaled(wm.curvature[0], first);
+        for j in 1..nm {
+            let row = &rows[start + i * c + j * m];
+            lanes.add(&mut a, wm.value[j], row);
+            lanes.add(&mut a_m, wm.slope[j], row);
+            if H {
+                lanes.add(&mut a_mm, wm.curvature[j], row);
+            }
+        }
+        put(lanes, i, &mut sum[0], wc.value[i], &a);
+        put(lanes, i, &mut sum[1], wc.slope[i], &a);
+        put(lanes, i, &mut sum[2], wc.value[i], &a_m);
+        if H {
+            put(lanes, i, &mut sum[3], wc.curvature[i], &a);
+            put(lanes, i, &mut sum[4], wc.slope[i], &a_m);
+            put(lanes, i, &mut sum[5], wc.value[i], &a_mm);
+        }
+    }
+    sum
 }
 
-impl<const N: usize> Plane<N> {
-    const ZERO: Self = Plane {
-        value: [0.0; N],
-        c: [0.0; N],
-        m: [0.0; N],
-        cc: [0.0; N],
-        cm: [0.0; N],
-        mm: [0.0; N],
+#[inline(always)]
+fn jet<const N: usize, const H: bool>(plane: &Plane<N>, wp: &Weights<N>) -> Jet {
+    let along = |n: usize| dot(&plane[n], &wp.value);
+    let mut jet = Jet {
+        value: along(0),
+        gradient: [along(1), along(2), dot(&plane[0], &wp.slope)],
+        ..Jet::default()
     };
-
-    /// Of `rows` from `start` on, `c` and `m` apart. `H`: with second derivatives.
-    #[inline(always)]
-    fn new<const H: bool, const AXES: usize>(
-        lanes: Lanes,
-        rows: &[[f64; N]],
-        [start, c, m]: [usize; 3],
-        at: &Point<N>,
-    ) -> Self {
-        let (wc, wm) = (&at.c, &at.m);
-        let [nc, nm] = at.counts::<AXES>();
-        let mut sum = Self::ZERO;
-        for i in 0..nc {
-            let first = &rows[start + i * c];
-            let mut a = lanes.scaled(wm.value[0], first);
-            let mut a_m = lanes.scaled(wm.slope[0], first);
-            let mut a_mm = lanes.scaled(wm.curvature[0], first);
-            for j in 1..nm {
-                let row = &rows[start + i * c + j * m];
-                lanes.add(&mut a, wm.value[j], row);
-                lanes.add(&mut a_m, wm.slope[j], row);
-                if H {
-                    lanes.add(&mut a_mm, wm.curvature[j], row);
-                }
-            }
-            put(lanes, i, &mut sum.value, wc.value[i], &a);
-            put(lanes, i, &mut sum.c, wc.slope[i], &a);
-            put(lanes, i, &mut sum.m, wc.value[i], &a_m);
-            if H {
-                put(lanes, i, &mut sum.cc, wc.curvature[i], &a);
-                put(lanes, i, &mut sum.cm, wc.slope[i], &a_m);
-                put(lanes, i, &mut sum.mm, wc.value[i], &a_mm);
-            }
-        }
-        sum
+    if H {
+        let [c_p, m_p] = [1, 2].map(|n| dot(&plane[n], &wp.slope));
+        let p_p = dot(&plane[0], &wp.curvature);
+        jet.second = [along(3), along(4), c_p, along(5), m_p, p_p];
     }
-
-    #[inline(always)]
-    fn jet<const H: bool>(&self, wp: &Weights<N>) -> Jet {
-        let mut jet = Jet {
-            value: dot(&self.value, &wp.value),
-            gradient: [
-                dot(&self.c, &wp.value),
-                dot(&self.m, &wp.value),
-                dot(&self.value, &wp.slope),
-            ],
-            ..Jet::default()
-        };
-        if H {
-            jet.second = [
-                dot(&self.cc, &wp.value),
-                dot(&self.cm, &wp.value),
-                dot(&self.c, &wp.slope),
-                dot(&self.mm, &wp.value),
-                dot(&self.m, &wp.slope),
-                dot(&self.value, &wp.curvature),
-            ];
-        }
-        jet
-    }
+    jet
 }
 
 /// A block of coefficients `[c][m][row][mesh position]`, rows as long as whole groups of N lanes.
@@ -185,7 +158,7 @@ impl<const N: usize> Coefficients<N> {
     #[inline(always)]
     pub fn field<const H: bool, const AXES: usize>(&self, lanes: Lanes, at: &Point<N>) -> Jet {
         let (rows, [c, m, _]) = self.cell::<AXES>(at, 0, 1);
-        Plane::new::<H, AXES>(lanes, rows, [0, c, m], at).jet::<H>(&at.p)
+        jet::<N, H>(&plane::<N, H, AXES>(lanes, rows, [0, c, m], at), &at.p)
     }
 
     /// A quantity over the displacement, at the weights `wu` of it.
@@ -197,26 +170,22 @@ impl<const N: usize> Coefficients<N> {
         at: &Point<N>,
     ) -> Shape {
         let (rows, [c, m, u]) = self.cell::<AXES>(at, wu.first, NU);
-        let [mut w, mut f, mut k] = [Plane::<N>::ZERO; 3];
+        let [mut w, mut f] = [[[0.0; N]; 6]; 2];
+        let mut k = [0.0; N];
         for r in 0..NU {
-            let plane = Plane::new::<H, AXES>(lanes, rows, [r * u, c, m], at);
-            put(lanes, r, &mut w.value, wu.value[r], &plane.value);
-            put(lanes, r, &mut w.c, wu.value[r], &plane.c);
-            put(lanes, r, &mut w.m, wu.value[r], &plane.m);
-            put(lanes, r, &mut f.value, wu.slope[r], &plane.value);
-            put(lanes, r, &mut k.value, wu.curvature[r], &plane.value);
-            if H {
-                put(lanes, r, &mut w.cc, wu.value[r], &plane.cc);
-                put(lanes, r, &mut w.cm, wu.value[r], &plane.cm);
-                put(lanes, r, &mut w.mm, wu.value[r], &plane.mm);
-                put(lanes, r, &mut f.c, wu.slope[r], &plane.c);
-                put(lanes, r, &mut f.m, wu.slope[r], &plane.m);
+            let plane = plane::<N, H, AXES>(lanes, rows, [r * u, c, m], at);
+            for n in 0..if H { 6 } else { 3 } {
+                put(lanes, r, &mut w[n], wu.value[r], &plane[n]);
             }
+            for n in 0..if H { 3 } else { 1 } {
+                put(lanes, r, &mut f[n], wu.slope[r], &plane[n]);
+            }
+            put(lanes, r, &mut k, wu.curvature[r], &plane[0]);
         }
         Shape {
-            value: w.jet::<H>(&at.p),
-            slope: f.jet::<false>(&at.p),
-            curvature: k.jet::<false>(&at.p).value,
+            value: jet::<N, H>(&w, &at.p),
+            slope: jet::<N, false>(&f, &at.p),
+            curvature: dot(&k, &at.p.value),
         }
     }
 }

@@ -140,8 +140,8 @@ pub fn energy_brought(name: &str, way: impl Fn(f64) -> Way, steps: usize) -> Res
     let parameters = Parameters {
         damping: 0.0,
         nominal_torque: torque,
-        center_distance_effect: table.effects().center_distance,
-        misalignment_effect: table.effects().misalignment,
+        center_distance_effect: table.effects.center_distance,
+        misalignment_effect: table.effects.misalignment,
         ..Parameters::default()
     };
     let element = Element::new(&geometry, &parameters, Some(table))?;

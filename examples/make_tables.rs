@@ -10,8 +10,7 @@ use gearmesh::pair::Refinement;
 use gearmesh::table::{Axes, Query, Table, TableFile};
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{Watch, displacement_nodes, mesh_positions, sweep};
-use std::sync::atomic::AtomicBool;
+use gearmesh_preprocessor::table::{displacement_nodes, mesh_positions, sweep};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut pair = pair::read("resources/pairs/palermo2013.json")?;
@@ -26,12 +25,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         misalignment: (-4..=4).map(|i| 5e-4 * f64::from(i)).collect(), // rad
         mesh_position: mesh_positions(16),
     };
-    let watch = Watch {
-        progress: &|done, all| eprint!("\r{done} of {all} "),
-        cancel: &AtomicBool::new(false), // set from another thread to stop
-    };
+    let progress = |done, all| eprint!("\r{done} of {all} ");
     let [nominal, largest] = [pair.operating.nominal_torque, pair.operating.maximum_torque];
-    let drive = sweep(&solver, Flank::Drive, &axes, largest, &watch)?;
+    let drive = sweep(&solver, Flank::Drive, &axes, largest, &progress)?;
     // No coast flank: it mirrors the drive flank.
     let file = TableFile::new(
         &pair.name,

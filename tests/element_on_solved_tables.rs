@@ -70,7 +70,7 @@ impl Rubbing {
         let geometry = &pair.geometry;
         let solver = coarse_solver(&pair, ContactSettings::for_pair(&pair));
         let top = pair.operating.maximum_torque;
-        let grid = sweep(&solver, Flank::Drive, &axes(32), top, &QUIET).unwrap();
+        let grid = sweep(&solver, Flank::Drive, &axes(32), top, QUIET).unwrap();
         let coverage = Coverage {
             center_distance_offset: None,
             misalignment: None,
@@ -85,13 +85,13 @@ impl Rubbing {
             coast_mirrors_drive: true,
             friction: true,
         };
-        let teeth = teeth.record(&default_teeth_axes(&coverage), 1, &QUIET);
+        let teeth = teeth.record(&default_teeth_axes(&coverage), 1, QUIET);
         let axes = default_sliding_axes(&coverage, geometry.gears[0].base_radius());
         let mut table = TableFile::new("c", "test", geometry, [0.5 * top, top], &grid, None);
         table.teeth = Some(teeth.unwrap());
         table.friction = Some(FrictionRecord {
             law: pair.friction,
-            drive: sweep_sliding(&solver, Flank::Drive, &axes, &QUIET).unwrap(),
+            drive: sweep_sliding(&solver, Flank::Drive, &axes, QUIET).unwrap(),
             coast: None,
             axes,
         });
@@ -308,7 +308,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         misalignment: vec![-1e-3, -0.4e-3, 0.0, 0.4e-3, 1e-3],
         mesh_position: mesh_positions(12),
     };
-    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &QUIET).unwrap();
+    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, QUIET).unwrap();
     let roots = RootStressSweep {
         solver: &solver,
         models: &models,
@@ -321,9 +321,9 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         mesh_position: mesh_positions(32),
         ..every
     };
-    let drive = roots.samples(&axes, &QUIET).unwrap();
+    let drive = roots.samples(&axes, QUIET).unwrap();
     let stress = LoadSpline::new(axes.nodes(), &drive.columns(), [true; 2]).unwrap();
-    let error = roots.measure(&coverage, &stress, 200, &QUIET).unwrap();
+    let error = roots.measure(&coverage, &stress, 200).unwrap();
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
     file.root_stress = Some(RootStressRecord {

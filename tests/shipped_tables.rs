@@ -9,7 +9,7 @@ use gearmesh_preprocessor::table::{Coverage, measure};
 
 #[path = "common/solver.rs"]
 mod solver;
-use solver::{QUIET, solver};
+use solver::solver;
 
 const PAIRS: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
 
@@ -84,7 +84,7 @@ fn each_agrees_with_fresh_solutions_within_its_stated_error() {
         let found = |interpolation| {
             let table = FlankTable::new(&file.drive_grid(), interpolation).unwrap();
             let (geometry, flank) = (&pair.geometry, Flank::Drive);
-            measure(&solver, geometry, flank, &coverage, &table, 100, &QUIET).unwrap()
+            measure(&solver, geometry, flank, &coverage, &table, 100).unwrap()
         };
         let stated = file.interpolation_error.unwrap();
         let spline = found(Interpolation::Spline);

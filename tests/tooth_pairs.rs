@@ -64,7 +64,7 @@ impl Ready {
             coast_mirrors_drive: true,
             friction: true,
         };
-        sweep.record(axes, points, &QUIET).unwrap()
+        sweep.record(axes, points, QUIET).unwrap()
     }
 }
 
@@ -268,11 +268,11 @@ fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
         ..READY.axes()
     };
     let torque = READY.coverage.maximum_torque;
-    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap();
+    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, QUIET).unwrap();
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
     let (solver, geometry) = (&READY.solver, &READY.pair.geometry);
     let (flank, coverage) = (Flank::Drive, &READY.coverage);
-    let of_table = measure(solver, geometry, flank, coverage, &table, 200, &QUIET);
+    let of_table = measure(solver, geometry, flank, coverage, &table, 200);
     let of_table = of_table.unwrap().force_rms;
     let [force, _] = nominal();
     let (mut square, n) = (0.0, 1000);
@@ -462,7 +462,7 @@ fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
         ..READY.axes()
     };
     let torque = READY.coverage.maximum_torque;
-    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap();
+    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, QUIET).unwrap();
     let geometry = &READY.pair.geometry;
     let mut file = TableFile::new("pair", "test", geometry, [100.0, 200.0], &grid, None);
     let bare = file.to_json();

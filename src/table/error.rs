@@ -47,9 +47,6 @@ pub enum TableError {
     /// A static solve that failed, with its operating point, or samples that cannot become a table.
     #[error("{0}")]
     Failed(String),
-    /// The user stopped the sweep.
-    #[error("stopped on request; nothing was written")]
-    Cancelled,
 }
 
 impl TableError {

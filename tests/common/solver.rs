@@ -9,18 +9,12 @@ use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::finite_element::{
     FiniteElementCompliance, ModelCache, PairCompliance, Settings,
 };
-use gearmesh_preprocessor::table::Watch;
+use gearmesh_preprocessor::table::Progress;
 use std::collections::HashMap;
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
-static GO_ON: AtomicBool = AtomicBool::new(false);
-
-/// Neither shows progress nor ends early.
-pub const QUIET: Watch = Watch {
-    progress: &|_, _| (),
-    cancel: &GO_ON,
-};
+/// Shows no progress.
+pub const QUIET: Progress = &|_, _| ();
 
 type Kept = Arc<OnceLock<Arc<FiniteElementCompliance>>>;
 

@@ -15,13 +15,12 @@ use gearmesh_preprocessor::contact::{CycleInput, MeshCycle, contact_file};
 use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{
-    Coverage, TeethSweep, Watch, default_axes, default_teeth_axes, displacement_nodes,
-    mesh_positions, sweep,
+    Coverage, TeethSweep, default_axes, default_teeth_axes, displacement_nodes, mesh_positions,
+    sweep,
 };
 use gears::{gear, paper_pair, thinned};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// The pairs in resources/pairs.
 pub const SHIPPED: [&str; 5] = [
@@ -102,13 +101,6 @@ pub fn ste(solver: &ContactSolver, torque: f64, positions: usize) -> Result<[f64
     Ok([1e6 * cycle.mean_ste(), 1e6 * cycle.peak_to_peak_ste()])
 }
 
-/// A sweep that nobody watches.
-pub fn quiet() -> Watch<'static> {
-    static GO_ON: AtomicBool = AtomicBool::new(false);
-    let (progress, cancel) = (&|_, _| (), &GO_ON);
-    Watch { progress, cancel }
-}
-
 /// The point at `delta` (m) and the mesh position `tau`, else nominal.
 pub fn query(delta: f64, tau: f64) -> Query {
     Query {
@@ -173,7 +165,7 @@ impl Setup {
             coast_mirrors_drive: true,
             friction: false,
         };
-        Ok(sweep.record(&default_teeth_axes(&coverage), points, &quiet())?)
+        Ok(sweep.record(&default_teeth_axes(&coverage), points, &|_, _| ())?)
     }
 
     /// Nominal transverse force on the line of action, N: what errors are related to.
@@ -275,7 +267,13 @@ impl Setup {
     pub fn samples(&self, counts: [usize; 4]) -> Result<FlankGrid> {
         let torque = self.pair.operating.maximum_torque;
         let axes = self.axes(counts);
-        Ok(sweep(&self.solver, Flank::Drive, &axes, torque, &quiet())?)
+        Ok(sweep(
+            &self.solver,
+            Flank::Drive,
+            &axes,
+            torque,
+            &|_, _| (),
+        )?)
     }
 
     /// A tables file around `grid`.

@@ -2,7 +2,6 @@
 //! be solved at the corners of the operating range.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
@@ -13,13 +12,13 @@ use gearmesh::table::{
 };
 use gearmesh_preprocessor::contact::{CycleInput, MeshCycle, condensed_roots};
 use gearmesh_preprocessor::table::{
-    Coverage, RootStressSweep, TeethSweep, Watch, WatchedSolver, default_axes,
-    default_root_stress_axes, default_sliding_axes, default_teeth_axes, measure,
-    measure_at_run_time, misalignments, sweep, sweep_sliding, table_within,
+    Coverage, RootStressSweep, TeethSweep, WatchedSolver, default_axes, default_root_stress_axes,
+    default_sliding_axes, default_teeth_axes, measure, measure_at_run_time, misalignments, sweep,
+    sweep_sliding, table_within,
 };
 
 use crate::case::load_matrix;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::model::{Model, ModelArgs};
 use crate::output::Job;
 
@@ -56,9 +55,10 @@ impl Sweeps<'_> {
                 let axes = self.with_misalignments(default_axes(self.coverage));
                 self.grid_on(&axes, solver, Flank::Drive)?
             }
-            Some(bound) => self.watched("static contact", |watch| {
-                table_within(solver, geometry, self.coverage, self.tilt, bound, watch)
-            })?,
+            Some(bound) => {
+                let progress = &self.progress("static contact");
+                table_within(solver, geometry, self.coverage, self.tilt, bound, progress)?
+            }
         };
         let coast = self.on_own_coast(|flank| self.grid_on(&drive.axes, solver, flank))?;
         let error = coast.as_ref().map_or(error, |coast| error.with(coast.1));
@@ -79,14 +79,11 @@ impl Sweeps<'_> {
         flank: Flank,
     ) -> Result<(FlankGrid, InterpolationError)> {
         let largest = self.coverage.maximum_torque;
-        let grid = self.watched("static contact", |watch| {
-            sweep(solver, flank, axes, largest, watch)
-        })?;
+        let progress = &self.progress("static contact");
+        let grid = sweep(solver, flank, axes, largest, progress)?;
         let table = &FlankTable::new(&grid, Interpolation::Spline)?;
         let (geometry, coverage, points) = (&self.pair.geometry, self.coverage, HELD_OUT_POINTS);
-        let error = self.watched("error of the tables", |watch| {
-            measure(solver, geometry, flank, coverage, table, points, watch)
-        })?;
+        let error = measure(solver, geometry, flank, coverage, table, points)?;
         Ok((grid, error))
     }
 
@@ -94,8 +91,8 @@ impl Sweeps<'_> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_sliding_axes(self.coverage, base_radius);
         let solver = &self.model.solver;
-        let sweep = |flank, watch: &Watch| sweep_sliding(solver, flank, &axes, watch);
-        let sample = |flank| self.watched("sliding", |watch| sweep(flank, watch));
+        let progress = &self.progress("sliding");
+        let sample = |flank| Ok(sweep_sliding(solver, flank, &axes, progress)?);
         Ok(FrictionRecord {
             law: self.pair.friction,
             drive: sample(Flank::Drive)?,
@@ -113,12 +110,10 @@ impl Sweeps<'_> {
                 models: &self.args.fillets(self.pair, flank, self.job)?.maps,
                 flank,
             };
-            self.watched("root stress", |watch| -> Result<_> {
-                let samples = sweep.samples(&axes, watch)?;
-                let table = LoadSpline::new(axes.nodes(), &samples.columns(), [true; 2])?;
-                let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
-                Ok((samples, error))
-            })
+            let samples = sweep.samples(&axes, &self.progress("root stress"))?;
+            let table = LoadSpline::new(axes.nodes(), &samples.columns(), [true; 2])?;
+            let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS)?;
+            Ok((samples, error))
         };
         let (drive, error) = sample(Flank::Drive)?;
         let coast = self.on_own_coast(sample)?;
@@ -151,9 +146,7 @@ impl Sweeps<'_> {
             friction,
         };
         let axes = self.with_misalignments(default_teeth_axes(self.coverage));
-        self.watched("tooth pairs", |watch| {
-            sweep.record(&axes, HELD_OUT_POINTS, watch)
-        })
+        Ok(sweep.record(&axes, HELD_OUT_POINTS, &self.progress("tooth pairs"))?)
     }
 
     /// How far `contact` is over the whole range of the pair file from the static contact on more stations.
@@ -168,11 +161,8 @@ impl Sweeps<'_> {
         };
         let solver = ContactSolver::new(self.pair, self.model.compliance.clone(), finer)?;
         let coverage = coverage(self.pair, [true; 2]);
-        let error = |flank| {
-            self.watched("error of contact at run time", |watch| {
-                measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch)
-            })
-        };
+        let error =
+            |flank| measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS);
         let drive = error(Flank::Drive)?;
         match contact.coast {
             Some(_) => Ok(drive.with(error(Flank::Coast)?)),
@@ -191,16 +181,9 @@ impl Sweeps<'_> {
         own.then(|| work(Flank::Coast)).transpose()
     }
 
-    fn watched<R, E: Into<Error>>(
-        &self,
-        stage: &str,
-        work: impl FnOnce(&Watch) -> Result<R, E>,
-    ) -> Result<R> {
-        work(&Watch {
-            progress: &|done, total| self.job.show(stage, done as f64 / total as f64),
-            cancel: &AtomicBool::new(false),
-        })
-        .map_err(Into::into)
+    fn progress<'s>(&'s self, stage: &'s str) -> impl Fn(usize, usize) + Sync + 's {
+        let job = self.job;
+        move |done, total| job.show(stage, done as f64 / total as f64)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a table covers: its default nodes, random operating points, and errors against static solutions there.
 
-use super::sweep::{StaticSource, Watch, solve_error};
+use super::sweep::{StaticSource, solve_error};
 use gearmesh::contact::{ContactError, ContactFile, Prescribed, Warm};
 use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
 use gearmesh::random::Random;
@@ -183,11 +183,9 @@ impl Nominal {
 
 pub(super) fn errors(
     points: Vec<OperatingPoint>,
-    watch: &Watch,
     error: impl Fn(OperatingPoint) -> Result<[f64; 2], TableError> + Sync,
 ) -> Result<Vec<[f64; 2]>, TableError> {
-    let checked = |point| watch.check().and_then(|()| error(point));
-    points.into_par_iter().map(checked).collect()
+    points.into_par_iter().map(&error).collect()
 }
 
 /// Error of the gradient that `found` gives of a potential against `source` at `points`.
@@ -197,9 +195,8 @@ pub(super) fn measure_at(
     nominal: Nominal,
     found: impl Fn(&Query) -> Result<[f64; 4], ContactError> + Sync,
     points: Vec<OperatingPoint>,
-    watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
-    let errors = errors(points, watch, |(torque, mut q)| {
+    let errors = errors(points, |(torque, mut q)| {
         let [_, c, m, p] = q.coordinates();
         let failed = |error| solve_error(flank, [c, m, p], error);
         let exact = source
@@ -217,7 +214,7 @@ pub(super) fn measure_at(
 /// other coordinates even in their ranges.
 ///
 /// # Errors
-/// A solve that fails; cancellation.
+/// A solve that fails.
 pub fn measure(
     source: &dyn StaticSource,
     geometry: &PairGeometry,
@@ -225,25 +222,23 @@ pub fn measure(
     coverage: &Coverage,
     table: &FlankTable,
     points: usize,
-    watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
     let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
     let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(geometry, coverage);
-    measure_at(source, flank, nominal, found, points, watch)
+    measure_at(source, flank, nominal, found, points)
 }
 
 /// Error of `contact` at run time, its teeth taken as alike, against `source` at `points` random operating points, likewise.
 ///
 /// # Errors
-/// A solve that fails, at run time or not; a flank that `contact` does not hold; cancellation.
+/// A solve that fails, at run time or not; a flank that `contact` does not hold.
 pub fn measure_at_run_time(
     source: &dyn StaticSource,
     contact: &ContactFile,
     flank: Flank,
     coverage: &Coverage,
     points: usize,
-    watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
     let mut alike = contact.clone();
     Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
@@ -254,7 +249,7 @@ pub fn measure_at_run_time(
     };
     let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(&contact.setup.geometry, coverage);
-    measure_at(source, flank, nominal, found, points, watch)
+    measure_at(source, flank, nominal, found, points)
 }
 
 pub(super) fn no_coast_flank() -> TableError {

@@ -14,5 +14,7 @@ pub use coverage::{
 };
 pub use plan::table_within;
 pub use records::{RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding};
-pub use sweep::{Sample, SolveQuality, StaticPosition, StaticSource, Watch, WatchedSolver, sweep};
+pub use sweep::{
+    Progress, Sample, SolveQuality, StaticPosition, StaticSource, WatchedSolver, sweep,
+};
 pub use teeth::{TeethSweep, default_teeth_axes};

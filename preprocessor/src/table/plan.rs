@@ -12,7 +12,7 @@
 use super::coverage::{
     Coverage, Nominal, SEED, closest, displacement_nodes, graded_to, measure_at, mesh_positions,
 };
-use super::sweep::{StaticSource, Watch, sweep};
+use super::sweep::{Progress, StaticSource, sweep};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::random::Random;
 use gearmesh::table::{
@@ -41,18 +41,18 @@ const REPORTED_POINTS: usize = 1000;
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
 ///
 /// # Errors
-/// A solve that fails; cancellation.
+/// A solve that fails.
 pub fn table_within(
     source: &dyn StaticSource,
     geometry: &PairGeometry,
     coverage: &Coverage,
     tilt: f64,
     error: f64,
-    watch: &Watch,
+    progress: Progress,
 ) -> Result<(FlankGrid, InterpolationError), TableError> {
     let nominal = Nominal::new(geometry, coverage);
     let choices = |axis| match fine_nodes(axis, coverage, tilt) {
-        Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, watch)?.choices(),
+        Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, progress)?.choices(),
         None => Ok(vec![Choice {
             nodes: vec![0.0],
             ..Choice::default()
@@ -68,7 +68,7 @@ pub fn table_within(
         let table = FlankTable::new(grid, Interpolation::Spline)?;
         let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
         let points = coverage.draw(Random::new(seed), points);
-        measure_at(source, Flank::Drive, nominal, found, points, watch)
+        measure_at(source, Flank::Drive, nominal, found, points)
     };
     // The largest of a few hundred errors is not the largest there is: leave it a third.
     let excess = |e: &InterpolationError| {
@@ -83,7 +83,13 @@ pub fn table_within(
         if best.as_ref().is_some_and(|b| b.1.axes == axes) {
             break;
         }
-        let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, watch)?;
+        let grid = sweep(
+            source,
+            Flank::Drive,
+            &axes,
+            coverage.maximum_torque,
+            progress,
+        )?;
         // Other points in each round, so that no grid is fitted to them.
         let found = match measured(&grid, TRIAL_POINTS, 0x2545_F491_4F6C_DD1D + round) {
             // What each axis bears alone they may not bear together.
@@ -221,17 +227,13 @@ impl Lines {
         axis: Axis,
         nodes: Vec<f64>,
         nominal: Nominal,
-        watch: &Watch,
+        progress: Progress,
     ) -> Result<Self, TableError> {
         let mut random = Random::new(0x6A09_E667_F3BC_C908 ^ axis as u64);
         let (count, solves) = match axis {
             Axis::Displacement => (64, nodes.len()),
             Axis::Misalignment => (24, 9 * nodes.len()),
             Axis::CenterDistance | Axis::MeshPosition => (16, 9 * nodes.len()),
-        };
-        let quiet = Watch {
-            progress: &|_, _| {},
-            cancel: watch.cancel,
         };
         let mut grids = Vec::with_capacity(count);
         for k in 1..=count {
@@ -240,8 +242,14 @@ impl Lines {
             let mut all = [vec![c], vec![m], displacement_nodes(8, 1.3), vec![p]];
             all[axis as usize].clone_from(&nodes);
             let axes = Axes::from(all);
-            let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, &quiet)?;
-            (watch.progress)(k * solves, count * solves);
+            let grid = sweep(
+                source,
+                Flank::Drive,
+                &axes,
+                coverage.maximum_torque,
+                &|_, _| (),
+            )?;
+            progress(k * solves, count * solves);
             let table = through(&grid)?;
             grids.push((grid, table));
         }

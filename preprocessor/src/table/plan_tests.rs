@@ -7,7 +7,7 @@ use crate::samples::spur_pair;
 use crate::spring::Spring;
 use gearmesh::contact::{ContactError, Prescribed};
 use gearmesh::root::bisection;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Approach at which `force` is the one prescribed.
 fn approach(prescribed: Prescribed, force: impl Fn(f64) -> f64) -> f64 {
@@ -20,12 +20,7 @@ fn approach(prescribed: Prescribed, force: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
-static GO_ON: AtomicBool = AtomicBool::new(false);
-
-const QUIET: Watch = Watch {
-    progress: &|_, _| {},
-    cancel: &GO_ON,
-};
+const QUIET: Progress = &|_, _| ();
 
 struct Formula;
 
@@ -69,7 +64,7 @@ fn coverage() -> Coverage {
 #[test]
 fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_ours() {
     let (pair, coverage) = (spur_pair(), coverage());
-    let found = table_within(&Formula, &pair, &coverage, f64::INFINITY, 2e-3, &QUIET);
+    let found = table_within(&Formula, &pair, &coverage, f64::INFINITY, 2e-3, QUIET);
     let (grid, found) = found.unwrap();
     assert!(found.force_rms <= 2e-3, "{found:?}");
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
@@ -92,32 +87,18 @@ fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_o
 #[test]
 fn only_the_dimensions_asked_for_are_computed() {
     let done = AtomicUsize::new(0);
-    let watch = Watch {
-        progress: &|now, all| {
-            assert!(now <= all);
-            done.fetch_max(now, Ordering::Relaxed);
-        },
-        cancel: &GO_ON,
+    let watched = |now, all| {
+        assert!(now <= all);
+        done.fetch_max(now, Ordering::Relaxed);
     };
     let axes = default_axes(&Coverage {
         center_distance_offset: None,
         ..coverage()
     });
-    let grid = sweep(&Formula, Flank::Drive, &axes, 20.0, &watch).unwrap();
+    let grid = sweep(&Formula, Flank::Drive, &axes, 20.0, &watched).unwrap();
     grid.check("drive").unwrap();
     assert_eq!(grid.axes.present(), [false, true, true]);
     assert_eq!(done.into_inner(), 17 * 32 * 13);
-}
-
-#[test]
-fn a_stopped_sweep_gives_nothing() {
-    let watch = Watch {
-        cancel: &AtomicBool::new(true),
-        ..QUIET
-    };
-    let axes = default_axes(&coverage());
-    let stopped = sweep(&Formula, Flank::Drive, &axes, 20.0, &watch);
-    assert!(matches!(stopped, Err(TableError::Cancelled)));
 }
 
 #[test]
@@ -183,7 +164,7 @@ impl StaticSource for Wedge {
 
 #[test]
 fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
-    let (pair, watch) = (spur_pair(), QUIET);
+    let pair = spur_pair();
     for range in [[-6e-3, 6e-3], [-20e-3, 20e-3], [-5e-3, 8e-3], [0.0, 10e-3]] {
         let coverage = Coverage {
             center_distance_offset: None,
@@ -200,7 +181,7 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
                 mesh_position: vec![0.0],
                 ..default_axes(&coverage)
             };
-            let grid = sweep(&Wedge, Flank::Drive, &axes, 20.0, &watch).unwrap();
+            let grid = sweep(&Wedge, Flank::Drive, &axes, 20.0, QUIET).unwrap();
             FlankTable::new(&grid, Interpolation::Spline)
         };
         let nodes = misalignments(&coverage, tilt);
@@ -215,9 +196,9 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
             );
         }
         let table = grid(nodes).unwrap();
-        let found = measure(&Wedge, &pair, Flank::Drive, &coverage, &table, 500, &watch).unwrap();
+        let found = measure(&Wedge, &pair, Flank::Drive, &coverage, &table, 500).unwrap();
         assert!(found.force_rms < 0.02, "{range:?}: {found:?}");
-        let (_, sought) = table_within(&Wedge, &pair, &coverage, tilt, 5e-3, &watch).unwrap();
+        let (_, sought) = table_within(&Wedge, &pair, &coverage, tilt, 5e-3, QUIET).unwrap();
         assert!(sought.force_rms < 5e-3, "{range:?}: {sought:?}");
     }
 }

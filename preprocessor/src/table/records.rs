@@ -2,7 +2,7 @@
 //! the spline through the latter misses.
 
 use super::coverage::{Coverage, SEED, errors, mesh_positions};
-use super::sweep::{Watch, solve_error};
+use super::sweep::{Progress, solve_error, sweep_columns};
 use crate::contact::PositionRoots;
 use crate::finite_element::RootStress;
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
@@ -51,20 +51,20 @@ fn load_axes(
 /// Solves at every node of `axes` for `flank`, with the weights of the law that `solver` has.
 ///
 /// # Errors
-/// The first solve that fails, with its operating point; cancellation.
+/// The first solve that fails, with its operating point.
 pub fn sweep_sliding(
     solver: &ContactSolver,
     flank: Flank,
     axes: &LoadAxes,
-    watch: &Watch,
+    progress: Progress,
 ) -> Result<SlidingSamples, TableError> {
     let law = solver.friction();
     let [c, m, force, p] = axes.nodes();
     let total = axes.lengths().iter().product();
-    let all = watch.sweep_columns([c, p], total, |c, p, report| {
+    let all = sweep_columns([c, p], total, progress, |c, p, report| {
         let column = Column::new(solver, flank, [c, p])?;
         let sliding = |result: &ContactResult| Ok(solver.sliding(&column.problem, result, &law));
-        column.solve([m, force], watch, report, sliding)
+        column.solve([m, force], report, sliding)
     })?;
     Ok(SlidingSamples::new(&all, law.is_local()))
 }
@@ -83,12 +83,16 @@ impl RootStressSweep<'_> {
     /// Solves at every node of `axes`.
     ///
     /// # Errors
-    /// The first solve that fails, with its operating point; cancellation.
-    pub fn samples(&self, axes: &LoadAxes, watch: &Watch) -> Result<RootStressSamples, TableError> {
+    /// The first solve that fails, with its operating point.
+    pub fn samples(
+        &self,
+        axes: &LoadAxes,
+        progress: Progress,
+    ) -> Result<RootStressSamples, TableError> {
         let [c, m, force, p] = axes.nodes();
         let total = axes.lengths().iter().product();
-        let all = watch.sweep_columns([c, p], total, |c, p, report| {
-            self.column([c, p], [m, force], watch, report)
+        let all = sweep_columns([c, p], total, progress, |c, p, report| {
+            self.column([c, p], [m, force], report)
         })?;
         Ok(RootStressSamples::new(&all))
     }
@@ -98,12 +102,11 @@ impl RootStressSweep<'_> {
         &self,
         at: [f64; 2],
         loads: [&[f64]; 2],
-        watch: &Watch,
         report: &dyn Fn(usize),
     ) -> Result<Vec<[f64; 2]>, TableError> {
         let column = Column::new(self.solver, self.flank, at)?;
         let roots = PositionRoots::new(&column.problem, self.models);
-        column.solve(loads, watch, report, |result| roots.largest(result))
+        column.solve(loads, report, |result| roots.largest(result))
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
@@ -116,7 +119,6 @@ impl RootStressSweep<'_> {
         coverage: &Coverage,
         table: &LoadSpline,
         points: usize,
-        watch: &Watch,
     ) -> Result<RootStressError, TableError> {
         let rb = self.solver.geometry().gears[0].base_radius();
         let nominal = coverage.nominal_torque / rb;
@@ -124,10 +126,10 @@ impl RootStressSweep<'_> {
         let cycle = (0..CYCLE).map(|i| stress([nominal, 0.0, 0.0, i as f64 / CYCLE as f64]));
         let largest = cycle.fold([0.0f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let drawn = coverage.draw(Random::new(SEED), points);
-        let errors = errors(drawn, watch, |(torque, q)| {
+        let errors = errors(drawn, |(torque, q)| {
             let [_, c, m, p] = q.coordinates();
             let force = torque / rb;
-            let exact = self.column([c, p], [&[m], &[force]], watch, &|_| ())?[0];
+            let exact = self.column([c, p], [&[m], &[force]], &|_| ())?[0];
             let found = stress([force, c, m, p]);
             Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
         })?;
@@ -166,14 +168,12 @@ impl<'a> Column<'a> {
     fn solve<S: Copy + Default>(
         &self,
         [misalignments, forces]: [&[f64]; 2],
-        watch: &Watch,
         report: &dyn Fn(usize),
         sample: impl Fn(&ContactResult) -> Result<S, ContactError>,
     ) -> Result<Vec<S>, TableError> {
         let rb = self.solver.geometry().gears[0].base_radius();
         let mut column = vec![S::default(); misalignments.len() * forces.len()];
         for (&m, row) in misalignments.iter().zip(column.chunks_mut(forces.len())) {
-            watch.check()?;
             let mut warm = None;
             // From the top down each solution starts from a near one.
             for (&force, value) in forces.iter().zip(row).rev().filter(|(f, _)| **f > 0.0) {

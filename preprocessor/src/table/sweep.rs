@@ -7,7 +7,7 @@ use gearmesh::table::{Axes, FlankGrid, SlidingSamples, TableError};
 use gearmesh::words::rounded;
 use rayon::prelude::*;
 use std::fmt::Display;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// One static equilibrium.
@@ -139,67 +139,52 @@ impl StaticPosition for SolverPosition<'_> {
     }
 }
 
-/// Watches a sweep from outside: counts what is done and can stop it.
-pub struct Watch<'a> {
-    /// Called with (solves done, solves in all), from any thread.
-    pub progress: &'a (dyn Fn(usize, usize) + Sync),
-    /// Set it to stop; the sweep then ends with [`TableError::Cancelled`].
-    pub cancel: &'a AtomicBool,
-}
+/// Called with (solves done, solves in all) of a sweep, from any thread.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-impl Watch<'_> {
-    pub(super) fn check(&self) -> Result<(), TableError> {
-        match self.cancel.load(Ordering::Relaxed) {
-            true => Err(TableError::Cancelled),
-            false => Ok(()),
-        }
-    }
-
-    /// What `column` gives at each of `offsets` of the centre distance and each of the mesh `positions`, in parallel, in the order
-    /// of tables: the mesh position fastest. `column` reports the number of its solves, `total` over all columns.
-    pub(super) fn sweep_columns<S: Copy + Send>(
-        &self,
-        [offsets, positions]: [&[f64]; 2],
-        total: usize,
-        column: impl Fn(f64, f64, &dyn Fn(usize)) -> Result<Vec<S>, TableError> + Sync,
-    ) -> Result<Vec<S>, TableError> {
-        let done = AtomicUsize::new(0);
-        let report = |count: usize| {
-            (self.progress)(done.fetch_add(count, Ordering::Relaxed) + count, total);
-        };
-        let np = positions.len();
-        let columns: Vec<Vec<S>> = (0..offsets.len() * np)
-            .into_par_iter()
-            .map(|k| column(offsets[k / np], positions[k % np], &report))
-            .collect::<Result<_, _>>()?;
-        let in_order = columns.chunks(np).flat_map(|row| {
-            (0..row[0].len()).flat_map(move |k| row.iter().map(move |column| column[k]))
-        });
-        Ok(in_order.collect())
-    }
+/// What `column` gives at each of `offsets` of the centre distance and each of the mesh `positions`, in parallel, in the order
+/// of tables: the mesh position fastest. `column` reports the number of its solves, `total` over all columns.
+pub(super) fn sweep_columns<S: Copy + Send>(
+    [offsets, positions]: [&[f64]; 2],
+    total: usize,
+    progress: Progress,
+    column: impl Fn(f64, f64, &dyn Fn(usize)) -> Result<Vec<S>, TableError> + Sync,
+) -> Result<Vec<S>, TableError> {
+    let done = AtomicUsize::new(0);
+    let report = |count: usize| {
+        progress(done.fetch_add(count, Ordering::Relaxed) + count, total);
+    };
+    let np = positions.len();
+    let columns: Vec<Vec<S>> = (0..offsets.len() * np)
+        .into_par_iter()
+        .map(|k| column(offsets[k / np], positions[k % np], &report))
+        .collect::<Result<_, _>>()?;
+    let in_order = columns.chunks(np).flat_map(|row| {
+        (0..row[0].len()).flat_map(move |k| row.iter().map(move |column| column[k]))
+    });
+    Ok(in_order.collect())
 }
 
 /// Solves at every node of `axes` for one flank: the displacements are imposed, so nothing is inverted.
 /// The top load is `maximum_torque`, N m on gear 1.
 ///
 /// # Errors
-/// The first solve that fails, with its operating point; cancellation.
+/// The first solve that fails, with its operating point.
 pub fn sweep(
     source: &dyn StaticSource,
     flank: Flank,
     axes: &Axes,
     maximum_torque: f64,
-    watch: &Watch,
+    progress: Progress,
 ) -> Result<FlankGrid, TableError> {
     let [nc, nm, nu, np] = axes.lengths();
     let outer = [&axes.center_distance_offset[..], &axes.mesh_position];
     // For each misalignment first touch and displacements.
-    let samples = watch.sweep_columns(outer, nc * nm * (nu + 1) * np, |c, p, report| {
+    let samples = sweep_columns(outer, nc * nm * (nu + 1) * np, progress, |c, p, report| {
         let failed = |m| move |error: ContactError| solve_error(flank, [c, m, p], error);
         let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
         let mut column = Vec::with_capacity(nm * (nu + 1));
         for &m in &axes.misalignment {
-            watch.check()?;
             let low = position.no_load_approach(m);
             let top = position.top(maximum_torque, m).map_err(failed(m))?;
             let mut samples = vec![top; nu + 1];

@@ -3,7 +3,7 @@
 use super::coverage::{
     Coverage, Nominal, SEED, displacement_nodes, errors, mesh_positions, no_coast_flank,
 };
-use super::sweep::{Watch, solve_error, sweep};
+use super::sweep::{Progress, solve_error, sweep};
 use super::tooth_pair::ToothPair;
 use gearmesh::contact::{
     ContactError, ContactFile, ContactSolver, PositionProblem, Prescribed, Warm,
@@ -59,12 +59,12 @@ impl TeethSweep<'_> {
     ///
     /// # Errors
     /// Teeth with flanks or compliances of their own; the first solve that fails, with its operating point; a coupling that is too
-    /// large; cancellation.
+    /// large.
     pub fn record(
         &self,
         axes: &Axes,
         points: usize,
-        watch: &Watch,
+        progress: Progress,
     ) -> Result<TeethRecord, TableError> {
         let teeth = &self.contact.setup.teeth;
         TeethRecord::takes(teeth)?;
@@ -85,7 +85,7 @@ impl TeethSweep<'_> {
         };
         let sampled = |mut pair: ToothPair, flank| {
             pair.places = [first, last];
-            let mut grid = sweep(&pair, flank, &axes, coverage.maximum_torque, watch)?;
+            let mut grid = sweep(&pair, flank, &axes, coverage.maximum_torque, progress)?;
             grid.sliding = grid.sliding.filter(|_| self.friction);
             let coupling = coupling(solver, coverage, flank, &axes.misalignment)?;
             Ok::<_, TableError>((grid.for_file(), coupling))
@@ -107,9 +107,9 @@ impl TeethSweep<'_> {
             coast_errors: errors(&teeth.coast),
             error: InterpolationError::default(),
         };
-        let mut error = self.measure(&record, Flank::Drive, points, watch)?;
+        let mut error = self.measure(&record, Flank::Drive, points)?;
         if own_coast {
-            error = error.with(self.measure(&record, Flank::Coast, points, watch)?);
+            error = error.with(self.measure(&record, Flank::Coast, points)?);
         }
         record.error = error;
         Ok(record)
@@ -122,7 +122,6 @@ impl TeethSweep<'_> {
         record: &TeethRecord,
         flank: Flank,
         points: usize,
-        watch: &Watch,
     ) -> Result<InterpolationError, TableError> {
         let geometry = self.solver.geometry();
         let effects = Effects {
@@ -140,7 +139,7 @@ impl TeethSweep<'_> {
             (self.coverage.maximum_torque * random.next(), query)
         };
         let points = (0..points).map(|_| point()).collect();
-        let errors = errors(points, watch, |(torque, mut q)| {
+        let errors = errors(points, |(torque, mut q)| {
             q.delta = approach(&level, &q, torque / rb);
             let found = level.evaluate(&q, [0; 2], false);
             let at @ [_, c, m, p] = q.coordinates();

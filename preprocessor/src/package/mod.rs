@@ -7,8 +7,6 @@ mod archive;
 mod documentation;
 mod driven;
 mod dynamics;
-mod error;
-mod library;
 mod starts;
 
 use std::path::Path;
@@ -16,12 +14,10 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-pub use archive::{Inspection, inspect};
+pub use archive::{Inspection, Library, PackageError, inspect, libraries_beside};
 pub use documentation::start_in_words;
 pub use driven::step_error;
 pub use dynamics::{MeshDynamics, theoretical_pair_stiffness};
-pub use error::PackageError;
-pub use library::{Library, libraries_beside};
 pub use starts::{Setting, Starts};
 
 use documentation::Description;

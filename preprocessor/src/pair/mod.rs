@@ -3,7 +3,6 @@
 //! [`from_json`] knows every field (docs/pair-file.md), fills in the defaults and refuses what cannot work, naming field,
 //! value and remedy ([`Refusal`]). What is legal but worth knowing comes as [`Pair::warnings`].
 
-mod backlash;
 mod checks;
 pub mod drawing;
 mod file;
@@ -96,8 +95,8 @@ fn resolve_gears(
             "the ring needs more teeth than the gear in it, {mate}";
             "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
     }
-    backlash::set_center_distance(file, &mut geometry)?;
-    backlash::set_backlash(file, &mut geometry)?;
+    drawing::set_center_distance(file, &mut geometry)?;
+    drawing::set_backlash(file, &mut geometry)?;
     notes.extend(mesh::shorten_default_ring(file, &mut geometry)?);
     let [a, b] = &geometry.gears;
     let profiles = [gears::profile(file, a, 0)?, gears::profile(file, b, 1)?];
@@ -108,7 +107,7 @@ fn resolve_gears(
     notes.extend(mesh::check_torques(file, &geometry)?);
     notes.extend(checks::notes(file, helix));
     notes.extend((0..2).filter_map(|i| gears::small_bore(&geometry, i)));
-    notes.extend(backlash::odd_thickness(file, &geometry));
+    notes.extend(drawing::odd_thickness(file, &geometry));
     notes.extend(mesh::warnings(&geometry, &profiles));
     notes.extend(mesh::check_center_distances(file, &geometry, &profiles)?);
     mesh::check_tooth_difference(&geometry)?;

@@ -166,13 +166,11 @@ fn level_error(
             let error = tables.interpolation_error.map(|error| error.to_string());
             let error = error.unwrap_or("not measured".into());
             let mut less = Vec::new();
+            let [distances, misalignments, ..] = tables.axes.lengths();
             for (i, nodes) in [
                 (index::LOAD_DEPENDENT, 2),
-                (
-                    index::CENTER_DISTANCE_EFFECT,
-                    tables.axes.center_distance_offset.len(),
-                ),
-                (index::MISALIGNMENT_EFFECT, tables.axes.misalignment.len()),
+                (index::CENTER_DISTANCE_EFFECT, distances),
+                (index::MISALIGNMENT_EFFECT, misalignments),
             ] {
                 if start(i) == 0.0 && nodes > 1 {
                     less.push(format!("{} = false", VARIABLES[i].name));

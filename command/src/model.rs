@@ -145,8 +145,7 @@ impl ModelArgs {
     }
 
     pub fn are_cached(&self, pair: &Pair) -> Result<bool> {
-        let (geometry, settings) = (&pair.geometry, self.settings(pair));
-        let is_kept = |cache| PairCompliance::is_kept(geometry, &settings, &cache);
+        let is_kept = |c| PairCompliance::is_kept(&pair.geometry, &self.settings(pair), &c);
         Ok(self.cache_in_use().map_or(Ok(false), is_kept)?)
     }
 

@@ -221,10 +221,8 @@ fn body(g: &Gear, rows: &mut Listing) {
         }
     } else if let Some(body) = g.body {
         let thickness = g.root_radius() - body.rim_radius;
-        let [mm, modules] = [
-            fixed(thickness / 1e-3, 3),
-            fixed(thickness / g.normal_module, 2),
-        ];
+        let mm = fixed(thickness / 1e-3, 3);
+        let modules = fixed(thickness / g.normal_module, 2);
         rows! { rows;
             "rim" => "{mm} mm ({modules} normal modules) below the root circle, inner diameter {}", diameter(body.rim_radius);
             "web" => "{}", z(body.web);
@@ -281,11 +279,10 @@ fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
 pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
     let gear = &pair.geometry.gears[i];
     for (name, m) in flanks(pair, i) {
-        if *m == Microgeometry::default() {
-            match name {
-                BOTH => rows.row("modifications", "none"),
-                _ => rows.row(name, "unmodified"),
-            }
+        match name {
+            _ if *m != Microgeometry::default() => (),
+            BOTH => rows.row("modifications", "none"),
+            _ => rows.row(name, "unmodified"),
         }
         flank(name, gear, m, rows);
     }
@@ -349,10 +346,8 @@ fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
         }
     }
     if let Some(c) = m.profile_crowning {
-        let ([from, to], amount) = (diameters(c.rolls), um(c.amount));
-        let words =
-            format!("{amount} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll");
-        rows.row(named("profile crowning"), words);
+        let [from, to] = diameters(c.rolls);
+        rows! { rows; named("profile crowning") => "{} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll", um(c.amount); }
     }
     if let Some(p) = m.profile_slope.filter(|p| p.amount != 0.0) {
         let ([from, to], c_ha) = (diameters(p.rolls), um(-p.amount));
@@ -361,26 +356,14 @@ fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
         }
     }
     let bias = m.profile_slope.map_or(0.0, |p| p.bias);
-    for (what, amount, how) in [
-        (
-            "bias",
-            bias,
-            "more profile slope at the large-z end than at z = 0, 0 at mid-face",
-        ),
-        (
-            "lead crowning",
-            m.lead_crowning,
-            "at both ends of the face, parabolic, 0 at mid-face",
-        ),
-        (
-            "lead slope",
-            m.lead_slope,
-            "more at the large-z end than at z = 0, linear, 0 at mid-face",
-        ),
-    ] {
-        if amount != 0.0 {
-            rows.row(named(what), format!("{} um {how}", um(amount)));
-        }
+    if bias != 0.0 {
+        rows! { rows; named("bias") => "{} um more profile slope at the large-z end than at z = 0, 0 at mid-face", um(bias); }
+    }
+    if m.lead_crowning != 0.0 {
+        rows! { rows; named("lead crowning") => "{} um at both ends of the face, parabolic, 0 at mid-face", um(m.lead_crowning); }
+    }
+    if m.lead_slope != 0.0 {
+        rows! { rows; named("lead slope") => "{} um more at the large-z end than at z = 0, linear, 0 at mid-face", um(m.lead_slope); }
     }
     let ends = match m.end_relief {
         [low, high] if low == high => vec![("end relief, both ends", low)],

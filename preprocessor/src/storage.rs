@@ -113,24 +113,6 @@ mod tests {
     }
 
     #[test]
-    fn what_ends_the_program_waits_for_the_file_that_is_being_written() {
-        use std::sync::atomic::{AtomicBool, Ordering};
-        let whole = AtomicBool::new(false);
-        let (begun, wait) = std::sync::mpsc::channel();
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                uninterrupted(|| {
-                    begun.send(()).unwrap();
-                    std::thread::sleep(std::time::Duration::from_millis(50));
-                    whole.store(true, Ordering::SeqCst);
-                });
-            });
-            wait.recv().unwrap();
-            assert!(uninterrupted(|| whole.load(Ordering::SeqCst)));
-        });
-    }
-
-    #[test]
     fn a_file_is_replaced_whole_and_nothing_else_is_left() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out with ü.json");

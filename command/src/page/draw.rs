@@ -48,11 +48,7 @@ fn font(size: u32) -> TextStyle<'static> {
 /// Decimals that make the labels of an axis of this length differ.
 fn digits(axis: &Range<f64>) -> usize {
     let step = (axis.end - axis.start) / 10.0;
-    if step > 0.0 {
-        (-step.log10().floor()).clamp(0.0, 9.0) as usize
-    } else {
-        0
-    }
+    (-step.log10().floor()).clamp(0.0, 9.0) as usize
 }
 
 /// Draws axes named `labels` with about `count` numbers each, and a grid of this opacity.

@@ -122,10 +122,8 @@ fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with
     assert_eq!(shown.contains("at an end of the grid"), best != 2.0);
     assert!((number(&summary["best"]["value"]) - worst(best)).abs() < 1e-12);
     let written = json(folder.read("study/best.json"));
-    assert_eq!(
-        number(&written["gear2"]["tip_relief"]["amount_um"]),
-        6.0 * best - 5.0
-    );
+    let amount = number(&written["gear2"]["tip_relief"]["amount_um"]);
+    assert_eq!(amount, 6.0 * best - 5.0);
     succeed!("inspect {out}/best.json");
 
     succeed!("report {PAPER} -o {page} --positions 4 --study {out} {QUICK}");

@@ -320,10 +320,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let program = folder.path().join("gearmesh");
         let error = libraries_beside(&program).unwrap_err().to_string();
-        assert!(
-            error.contains("libgearmesh.so") && error.contains("--library"),
-            "{error}"
-        );
+        let words = ["libgearmesh.so", "--library"];
+        assert!(words.iter().all(|w| error.contains(w)), "{error}");
         let [elf, pe] = headers();
         for (name, mut bytes) in [("libgearmesh.so", elf), ("gearmesh.dll", pe)] {
             bytes.extend(b"fmi2DoStep\0");

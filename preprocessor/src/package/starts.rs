@@ -121,7 +121,11 @@ impl Starts {
             (index::LOADED_FLANK, BOTH_FLANKS),
             (index::BACKLASH, backlash),
         ];
-        if self.value(index::PHASE_REFERENCE) == Some(ABSOLUTE) && !self.turns_a_gear() {
+        let gear1 = index::GEAR1_ANGLES_1..=index::GEAR1_QUATERNION_4;
+        let gear2 = index::GEAR2_ANGLES_1..=index::GEAR2_QUATERNION_4;
+        let turns = |s: &Setting| gear1.contains(&s.index) || gear2.contains(&s.index);
+        let is_turned = self.settings.iter().any(turns);
+        if self.value(index::PHASE_REFERENCE) == Some(ABSOLUTE) && !is_turned {
             // The teeth of gear 2 in the middle of the gaps of gear 1.
             let spin = meshing_spin(geometry);
             let (sin, cos) = (0.5 * spin).sin_cos();
@@ -134,14 +138,6 @@ impl Starts {
         starts.extend(self.settings.iter().map(|s| (s.index, s.value)));
         let named = |(i, value): (usize, f64)| (VARIABLES[i].name.to_owned(), value);
         starts.into_iter().map(named).collect()
-    }
-
-    /// Whether the user does.
-    fn turns_a_gear(&self) -> bool {
-        let gear1 = index::GEAR1_ANGLES_1..=index::GEAR1_QUATERNION_4;
-        let gear2 = index::GEAR2_ANGLES_1..=index::GEAR2_QUATERNION_4;
-        let mut settings = self.settings.iter();
-        settings.any(|s| gear1.contains(&s.index) || gear2.contains(&s.index))
     }
 }
 

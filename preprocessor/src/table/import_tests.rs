@@ -88,11 +88,8 @@ fn a_resultant_off_the_face_is_refused_with_the_face_and_one_on_its_edge_is_not(
     let with = |z: &str| import_csv(&good.replacen(",13.5", &format!(",{z}"), 1), &spur_pair());
     for z in ["-0.01", "25.2", "13500"] {
         let text = with(z).unwrap_err().to_string();
-        let value = format!("line 3: contact_z_mm = {z}");
-        assert!(
-            text.contains(&value) && text.contains("0 to 25 mm"),
-            "{text}"
-        );
+        let words = [&format!("line 3: contact_z_mm = {z}"), "0 to 25 mm"];
+        assert!(words.iter().all(|w| text.contains(w)), "{text}");
     }
     for z in ["0", "25", "-0.0005", "25.0005"] {
         with(z).unwrap();
@@ -110,39 +107,23 @@ fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
         l.join("\n")
     };
     let nan = good.replacen("13.5", "nan", 1);
-    for (text, parts) in [
-        (
-            without(20),
-            &["no sample at torque_nm = 2, mesh_position = 0.125"][..],
-        ),
+    #[rustfmt::skip]
+    let cases = [
+        (without(20), &["no sample at torque_nm = 2, mesh_position = 0.125"][..]),
         (format!("{good}{}\n", lines[5]), &["line 163", "line 6"]),
-        (
-            good.replacen("2,0,0,0,", "2,0,0,0,-1e3,1\n#", 1),
-            &[
-                "line 19: ste_loa_um = -1000",
-                "torque_nm = 2, mesh_position = 0,",
-            ],
-        ),
+        (good.replacen("2,0,0,0,", "2,0,0,0,-1e3,1\n#", 1), &["line 19: ste_loa_um = -1000", "torque_nm = 2, mesh_position = 0,"]),
         (nan.replace('\n', "\r\n"), &["line 3: contact_z_mm = nan"]),
         (nan, &["line 3: contact_z_mm = nan"]),
-        (
-            good.replacen("mesh_position", "position", 1),
-            &["column `position`", "each of torque_nm,mesh_position,"],
-        ),
+        (good.replacen("mesh_position", "position", 1), &["column `position`", "each of torque_nm,mesh_position,"]),
         (good.replacen("\n0.5,", "\n-0.5,", 1), &["torque_nm = -0.5"]),
         (csv(&TORQUES[..3]), &["at least 4"]),
         (String::new(), &["column `torque_nm`"]),
-        (
-            good.replacen("13.5", "13.5,1", 1),
-            &["line: 3,", "7 fields", "6 fields"],
-        ),
+        (good.replacen("13.5", "13.5,1", 1), &["line: 3,", "7 fields", "6 fields"]),
         // A number of many digits has an exponent.
-        (
-            good.replacen(",13.5\n", ",1e300\n", 1),
-            &["contact_z_mm = 1e300 at "],
-        ),
+        (good.replacen(",13.5\n", ",1e300\n", 1), &["contact_z_mm = 1e300 at "]),
         (good.replacen("0.5,0,", "0.5,1e-300,", 1), &["no sample at"]),
-    ] {
+    ];
+    for (text, parts) in cases {
         let error = refused(text);
         assert!(parts.iter().all(|part| error.contains(part)), "{error}");
         assert!(error.len() < 300, "{error}");

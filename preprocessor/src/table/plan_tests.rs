@@ -190,10 +190,8 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
         assert!(closest(&nodes) <= 0.3 * tilt, "{range:?}");
         if range[0] == -range[1] {
             let usual = grid(default_axes(&coverage).misalignment);
-            assert!(
-                matches!(usual, Err(TableError::TooCoarse { .. })),
-                "{range:?}"
-            );
+            let is_too_coarse = matches!(usual, Err(TableError::TooCoarse { .. }));
+            assert!(is_too_coarse, "{range:?}");
         }
         let table = grid(nodes).unwrap();
         let found = measure(&Wedge, &pair, Flank::Drive, &coverage, &table, 500).unwrap();

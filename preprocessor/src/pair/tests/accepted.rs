@@ -149,16 +149,11 @@ fn rim_web_and_hub_stand_where_the_file_puts_them() {
     let short = gear(r#"{"gear1": {"hub_width_mm": null, "hub_offset_mm": null}}"#);
     assert_abs_diff_eq!(short.body.unwrap().hub[..], [0.0, 25e-3], epsilon = 1e-12);
     // A web or hub off mid-face asks for a coast table.
-    for (patch, mirrors) in [
-        (
-            r#"{"gear1": {"web_offset_mm": 0, "hub_offset_mm": 0}}"#,
-            true,
-        ),
-        (r#"{"gear1": {"web_offset_mm": 0}}"#, false),
-        ("{}", false),
-    ] {
-        assert_eq!(with(patch).coast_mirrors_drive(), mirrors, "{patch}");
-    }
+    let mirrors = |patch: &str| with(patch).coast_mirrors_drive();
+    assert!(mirrors(
+        r#"{"gear1": {"web_offset_mm": 0, "hub_offset_mm": 0}}"#
+    ));
+    assert!(!mirrors(r#"{"gear1": {"web_offset_mm": 0}}"#) && !mirrors("{}"));
 }
 
 /// The paper's pair with gear 1 cut from a shaft.

@@ -252,7 +252,6 @@ fn operating(pair: &Pair) -> Listing {
     rows
 }
 
-/// Rows on what distinguishes the teeth of gear `i`.
 fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
     for (name, flank) in [("drive flank", Flank::Drive), ("coast flank", Flank::Coast)] {
         let errors = &pair.teeth.flank(flank)[i];
@@ -291,7 +290,6 @@ pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
     }
 }
 
-/// Flanks of gear `i` with a topography, and what is to be known of it.
 fn topographies(pair: &Pair, i: usize) -> Vec<(String, String)> {
     let words = |(name, m)| Some((format!("{name}: topography"), topography(pair, i, m)?));
     flanks(pair, i).into_iter().filter_map(words).collect()
@@ -309,7 +307,6 @@ fn flanks(pair: &Pair, i: usize) -> Vec<(&'static str, &Microgeometry)> {
     }
 }
 
-/// Grid and removal of the topography of a flank of gear `i`.
 fn topography(pair: &Pair, i: usize, m: &Microgeometry) -> Option<String> {
     let (grid, g) = (m.topography.as_ref()?, &pair.geometry);
     let gear = &g.gears[i];

@@ -62,15 +62,10 @@ impl NominalRootStress {
             GearKind::External => external(gear, virtual_teeth, virtual_contact_ratio),
             GearKind::Ring => drawn(&virtual_spur(gear, virtual_teeth), virtual_contact_ratio)?,
         };
-        let RootSection {
-            chord,
-            lever_arm,
-            fillet_radius,
-            load_angle,
-        } = section;
-        let form_factor =
-            6.0 * lever_arm * load_angle.cos() / (chord * chord * gear.normal_pressure_angle.cos());
-        let notch = chord / (2.0 * fillet_radius);
+        let (chord, lever_arm) = (section.chord, section.lever_arm);
+        let form_factor = 6.0 * lever_arm * section.load_angle.cos()
+            / (chord * chord * gear.normal_pressure_angle.cos());
+        let notch = chord / (2.0 * section.fillet_radius);
         if !(1.0..8.0).contains(&notch) {
             return None;
         }

@@ -113,18 +113,6 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("out with ü.json");
-        for bytes in [&b"first"[..], b"second"] {
-            check_writable(&path).unwrap();
-            write_whole(&path, bytes).unwrap();
-            assert_eq!(fs::read(&path).unwrap(), bytes);
-        }
-        assert_eq!(entries(folder.path()), 1);
-    }
-
-    #[test]
     fn a_target_that_cannot_be_is_refused_beforehand_and_nothing_is_left() {
         let folder = tempfile::tempdir().unwrap();
         let taken = folder.path().join("taken");

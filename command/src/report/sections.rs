@@ -81,7 +81,6 @@ pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
     Section::new("Over the mesh cycle", note, figures)
 }
 
-/// Share of one tooth pair as it moves through the mesh.
 fn load_share(case: &Case) -> Curve {
     let shares = case.cycle.results.iter().enumerate().flat_map(|(i, r)| {
         let shares = r.load_share.iter();
@@ -124,7 +123,6 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
     curves
 }
 
-/// Over the torques of the `survey`, aligned.
 pub fn torque(variant: &Variant, loads: &Loads, survey: &[Case]) -> Section {
     let figures = charts! {
         "Orders of the STE over torque", [TORQUE, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
@@ -278,7 +276,6 @@ fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
     }
 }
 
-/// Profile and lead traces of each flank, as an inspection chart has them.
 pub fn modifications(pair: &Pair) -> Section {
     let geometry = &pair.geometry;
     let mut figures = Vec::new();

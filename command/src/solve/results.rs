@@ -214,7 +214,6 @@ const HARMONIC_LISTS: [(&str, &str, &str); 2] = [
     ("mesh_stiffness", "mesh_stiffness_", "loa_n_per_m"),
 ];
 
-/// The harmonics of item `k` of [`HARMONIC_LISTS`].
 fn harmonics_of(case: &Case, k: usize) -> [Option<Harmonic>; HARMONICS] {
     let cycle = &case.cycle;
     match k {
@@ -292,7 +291,6 @@ fn largest_fields(case: &Case) -> Vec<(Tooth<'_>, &RootPoint)> {
     all
 }
 
-/// The fillet of a tooth with the largest root stress of its gear.
 fn root_field<'r>() -> Vec<Column<'static, (Tooth<'r>, &'r RootPoint)>> {
     columns! { |(t, point): &(Tooth, &RootPoint)|
         "gear" => t.gear + 1;

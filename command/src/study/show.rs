@@ -169,7 +169,6 @@ impl Summary<'_> {
         }
     }
 
-    /// The measure over each axis of the grid, and over both of two.
     fn grid(&self) -> Vec<Figure> {
         let Setup { plan, measure, .. } = self.setup;
         let ranking = self.setup.ranking(&self.done);
@@ -201,7 +200,6 @@ impl Summary<'_> {
         figures
     }
 
-    /// Share of the samples up to each value, of the best point or of the pair as drawn.
     fn distributions(&self) -> Vec<Figure> {
         let mut figures = Vec::new();
         let point = self.best.as_ref().map_or(0, |best| best.point);

@@ -160,20 +160,25 @@ mod tests {
     use super::*;
     use crate::samples::paper_pair;
 
+    /// Packs the paper's pair with constant stiffness, without a library.
+    fn pack(name: &str, starts: &Starts, out: &Path) -> Result<Packed, PackageError> {
+        let contents = Contents {
+            name,
+            geometry: &paper_pair(1.0),
+            contact: None,
+            starts,
+        };
+        super::pack(&contents, &[], out)
+    }
+
     #[test]
     fn the_same_contents_give_the_same_file_and_others_another_guid() {
         let folder = tempfile::tempdir().unwrap();
         let geometry = paper_pair(1.0);
         let pack = |name: &str, torque: f64| {
-            let starts = Starts::constant_stiffness(&geometry, torque);
-            let contents = Contents {
-                name,
-                geometry: &geometry,
-                contact: None,
-                starts: &starts,
-            };
             let path = folder.path().join(format!("{name}{torque}.fmu"));
-            let packed = super::pack(&contents, &[], &path).unwrap();
+            let starts = Starts::constant_stiffness(&geometry, torque);
+            let packed = pack(name, &starts, &path).unwrap();
             (packed, std::fs::read(&path).unwrap(), path)
         };
         let (one, bytes, path) = pack("a", 100.0);
@@ -201,14 +206,9 @@ mod tests {
             ("nominalTorque=0", "nominalTorque = 0"),
         ] {
             let starts = Starts::constant_stiffness(&geometry, 100.0);
-            let contents = Contents {
-                name: "a",
-                geometry: &geometry,
-                contact: None,
-                starts: &starts.with(&[setting.parse().unwrap()]),
-            };
+            let starts = starts.with(&[setting.parse().unwrap()]);
             let out = folder.path().join("a.fmu");
-            let error = super::pack(&contents, &[], &out).unwrap_err().to_string();
+            let error = pack("a", &starts, &out).unwrap_err().to_string();
             assert!(error.contains(reason), "{setting}: {error}");
             assert!(!out.exists());
         }

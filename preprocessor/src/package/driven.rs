@@ -23,17 +23,15 @@ pub(super) const CYCLES: usize = 4;
 const ROWS: usize = 64;
 
 /// An instance of an FMU whose gears are turned on from their start pose.
-pub(super) struct Driven {
-    pub unit: Instance,
+struct Driven {
+    unit: Instance,
     starts: [f64; INPUTS],
     /// Torque on gear 1 on the flank that carries, N m.
-    pub nominal_torque: f64,
+    nominal_torque: f64,
 }
 
 impl Driven {
-    /// # Errors
-    /// Start values that make no mesh, with the reason that a host would get.
-    pub fn new(resources: &Arc<Resources>) -> Result<Self, Refusal> {
+    fn new(resources: &Arc<Resources>) -> Result<Self, Refusal> {
         let mut unit = Instance::new(resources.clone(), Interface::CoSimulation);
         unit.setup(0.0, None)?;
         unit.exit_initialization()?;
@@ -70,17 +68,15 @@ impl Driven {
     }
 
     /// Turns the gears.
-    pub fn turn(&mut self, angles: [f64; 2], rates: [f64; 2]) -> Result<(), Refusal> {
-        let references: Vec<u32> = VARIABLES[..INPUTS]
-            .iter()
-            .map(|v| v.value_reference)
-            .collect();
-        self.unit
-            .set(Kind::Real, &references, &self.turned(angles, rates))
+    fn turn(&mut self, angles: [f64; 2], rates: [f64; 2]) -> Result<(), Refusal> {
+        let references = VARIABLES[..INPUTS].iter().map(|v| v.value_reference);
+        let (references, inputs): (Vec<u32>, _) =
+            (references.collect(), self.turned(angles, rates));
+        self.unit.set(Kind::Real, &references, &inputs)
     }
 
     /// Values of these variables.
-    pub fn read<const N: usize>(&mut self, outputs: [usize; N]) -> Result<[f64; N], Refusal> {
+    fn read<const N: usize>(&mut self, outputs: [usize; N]) -> Result<[f64; N], Refusal> {
         let mut values = Vec::with_capacity(N);
         let references = outputs.map(|i| VARIABLES[i].value_reference);
         self.unit.get(Kind::Real, &references, |x| values.push(x))?;
@@ -120,9 +116,8 @@ pub(super) fn example_signals(resources: &Arc<Resources>) -> Result<Option<Strin
                 return Ok(None);
             }
         }
-        let behind = bisection([low, high], 50, |x| {
-            torque(x).is_ok_and(|share| share < 1.0)
-        });
+        let is_less = |x: f64| torque(x).is_ok_and(|share| share < 1.0);
+        let behind = bisection([low, high], 50, is_less);
         // Cubic step over the first cycle.
         let rise = (i as f64 / ROWS as f64).min(1.0);
         rows.push([spin1, spin2(behind * rise * rise * (3.0 - 2.0 * rise))]);

@@ -75,11 +75,6 @@ impl Library {
         })
     }
 
-    /// Its platform with the oldest glibc that loads it, in words.
-    pub fn runs_on(&self) -> String {
-        runs_on(self.platform, &self.bytes)
-    }
-
     /// Extension of library files on this platform.
     pub(super) fn extension(&self) -> &'static str {
         match self.platform {

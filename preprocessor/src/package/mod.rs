@@ -49,7 +49,7 @@ pub struct Packed {
     pub guid: String,
     /// Size of the file in bytes.
     pub bytes: u64,
-    /// What it runs on, in words, by [`Library::runs_on`].
+    /// What it runs on, in words: platforms, that of Linux with the oldest glibc that loads its library.
     pub platforms: Vec<String>,
 }
 
@@ -109,10 +109,11 @@ pub fn pack(
         files.push((name, library.bytes.clone()));
     }
     let bytes = archive::write(&files, out)?;
+    let platform = |library: &Library| archive::runs_on(library.platform, &library.bytes);
     Ok(Packed {
         guid,
         bytes,
-        platforms: libraries.iter().map(Library::runs_on).collect(),
+        platforms: libraries.iter().map(platform).collect(),
     })
 }
 

@@ -240,7 +240,13 @@ pub(super) fn gear(file: &PairFile, i: usize, helix: f64) -> Result<Gear, Refusa
     let given = file.gear(i);
     let mut g = unshifted(file, i, helix);
     let thicknesses = thicknesses(given, &g, i)?;
-    let mut shift = given_shift(given, g.kappa(), i)?;
+    let (x, iso) = (given.profile_shift, given.profile_shift_iso_21771);
+    if let (Some(x), Some(iso)) = (x, iso) {
+        let right = rounded(g.kappa() * x);
+        ensure!((x - g.kappa() * iso).abs() <= 1e-9, in_gear(i, "profile_shift_iso_21771") => iso;
+            "`profile_shift` = {x} says otherwise"; "give one of them, or {right}");
+    }
+    let mut shift = x.or(iso.map(|x| g.kappa() * x));
     if let Some(&(measure, first, value)) = thicknesses.first() {
         let path = in_gear(i, first);
         let s = measure.thickness(&g, value.middle() * MM);
@@ -296,16 +302,6 @@ pub(super) fn gear(file: &PairFile, i: usize, helix: f64) -> Result<Gear, Refusa
         }
     }
     Ok(g)
-}
-
-/// The profile shift given by either of its fields, > 0 as in `profile_shift`.
-fn given_shift(given: &GearFile, kappa: f64, i: usize) -> Result<Option<f64>, Refusal> {
-    let iso = given.profile_shift_iso_21771;
-    if let (Some(x), Some(iso)) = (given.profile_shift, iso) {
-        ensure!((x - kappa * iso).abs() <= 1e-9, in_gear(i, "profile_shift_iso_21771") => iso;
-            "`profile_shift` = {x} says otherwise"; "give one of them, or {}", rounded(kappa * x));
-    }
-    Ok(given.profile_shift.or(iso.map(|x| kappa * x)))
 }
 
 /// The dedendum coefficient of `g`, or that of the root diameter, which must fit one that is given.
@@ -371,7 +367,10 @@ fn backlash_free_center_distance(geometry: &PairGeometry) -> f64 {
 
 /// Thins the teeth of which the drawing does not give the thickness, alike, so that the backlash of the file results.
 pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
-    let given = [0, 1].map(|i| file.gear(i).has_thickness());
+    let given = [&file.gear1, &file.gear2].map(|g| {
+        let measured = g.span_measurement_mm.or(g.dimension_over_balls_mm);
+        g.normal_tooth_thickness_mm.or(measured).is_some()
+    });
     let c = geometry.center_distance;
     let cos_phi = geometry.operating_pressure_angle(c).cos();
     let cos_b = geometry.base_helix_angle().cos();

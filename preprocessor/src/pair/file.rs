@@ -227,16 +227,6 @@ impl GearFile {
         self.tip_diameter_mm.is_none() && self.addendum_coefficient.is_none()
     }
 
-    /// Whether the thickness of the teeth is given, in any form.
-    pub fn has_thickness(&self) -> bool {
-        let sizes = [
-            self.normal_tooth_thickness_mm,
-            self.span_measurement_mm,
-            self.dimension_over_balls_mm,
-        ];
-        sizes.iter().any(Option::is_some)
-    }
-
     /// Modifications of both flanks and of each, with the start of the path of their fields.
     pub fn flanks(&self) -> [(&'static str, FlankFile); 3] {
         macro_rules! copied {

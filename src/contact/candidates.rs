@@ -1,9 +1,9 @@
 //! The segments of contact lines that may touch at one position of the mesh.
 
-use super::gap::{Flanks, GapProfile};
+use super::gap::GapProfile;
 use super::local_law::POINTS;
 use super::setup::ContactSetup;
-use super::transverse::TransverseSection;
+use super::transverse::{MatingFlanks, TransverseSection};
 use crate::compliance::Segment;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
@@ -40,14 +40,14 @@ impl Candidate {
         0.5 * (self.z[0] + self.z[1])
     }
 
-    /// Length along the contact line, m, at the cosine of the base helix angle `cos_beta_b`.
-    pub fn length(&self, cos_beta_b: f64) -> f64 {
-        (self.z[1] - self.z[0]) / cos_beta_b
-    }
-
     /// Points in gear 1's frame, m, ascending.
     pub fn points(&self) -> [f64; POINTS] {
         points(self.z)
+    }
+
+    /// Length along the contact line, m, at the cosine of the base helix angle `cos_beta_b`.
+    pub fn length(&self, cos_beta_b: f64) -> f64 {
+        (self.z[1] - self.z[0]) / cos_beta_b
     }
 }
 
@@ -79,12 +79,20 @@ pub struct ContactLines<'a> {
     pub tau: f64,
     /// Teeth that differ, and the mesh cycles counted; `None`: all are alike.
     pub teeth: Option<(&'a Passing, Counts)>,
+    /// Whether segments beyond the reach of contact are taken as if they lay at its end.
+    pub clamped: bool,
 }
 
 /// Pieces shorter than this part of a station are left out where a path end cuts it.
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
+    #[must_use]
+    pub fn clamped(mut self) -> Self {
+        self.clamped = true;
+        self
+    }
+
     pub fn candidates(&self) -> Vec<Candidate> {
         let pairs = self.pairs(0.0);
         pairs.flat_map(|k| self.of_pair(k)).collect()
@@ -97,20 +105,28 @@ impl ContactLines<'_> {
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
     fn pairs(&self, margin: f64) -> std::ops::RangeInclusive<i32> {
-        let margin = margin / self.section.numbers().base_pitch;
+        let margin = margin / self.section.numbers.base_pitch;
         let [first, last] = self.section.passage();
         (first - margin - self.tau).floor() as i32..=(last + margin - self.tau).ceil() as i32
     }
 
-    /// Conjugate position of the contact line of tooth pair `k` at `z` (m), m.
+    /// Distance from the pitch point on the line of action at which tooth pair `k` touches in the plane `z` (m), m, its conjugate
+    /// position: (tau + k) p_bt + sigma (z - z_ref). On gear 1 a larger z lies ahead in +theta for a right-handed helix, so
+    /// there contact has moved on.
     pub fn contact_line(&self, k: i32, z: f64) -> f64 {
-        let numbers = self.section.numbers();
-        numbers.contact_line(self.flank, self.tau, k, z)
+        let numbers = &self.section.numbers;
+        (self.tau + f64::from(k)) * numbers.base_pitch + self.lean() * (z - numbers.z_ref)
+    }
+
+    /// sigma = s h tan beta_b: slope dy/dz of the contact lines in the plane of action.
+    pub fn lean(&self) -> f64 {
+        let numbers = &self.section.numbers;
+        self.flank.sign() * numbers.hand * numbers.tan_beta_b
     }
 
     /// Ends of a station, m in gear 1's frame.
     pub fn station(&self, station: usize) -> [f64; 2] {
-        let [low, width] = self.section.numbers().face;
+        let [low, width] = self.section.numbers.face;
         let step = width / self.setup.settings.stations as f64;
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
@@ -120,24 +136,24 @@ impl ContactLines<'_> {
         let whole = self.station(station);
         let z = self.within_reach(k, whole)?;
         let is_long = z[1] - z[0] > SHORTEST * (whole[1] - whole[0]);
-        is_long.then(|| self.candidate(k, station, z, false))
+        is_long.then(|| self.candidate(k, station, z))
     }
 
     /// The gap about the closest point of `segment` at the part `at` of its length from its middle.
     pub fn profile_along(&self, segment: &Candidate, at: f64) -> GapProfile {
         let z = segment.middle() + at * (segment.z[1] - segment.z[0]);
-        let flanks = self.flanks(segment.tooth_pair, z, false);
+        let flanks = self.flanks(segment.tooth_pair, z);
         flanks.profile(flanks.closest().s)
     }
 
-    /// Whole segments, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
+    /// Whole segments, also those up to `margin` (m, along the path) beyond the reach of contact.
     pub fn segments_beyond(&self, margin: f64) -> Vec<Candidate> {
-        let [first, last] = self.section.reach();
+        let [first, last] = self.section.reach;
         let segment = |k: i32, station: usize| {
             let z = self.station(station);
             let [a, b] = z.map(|z| self.contact_line(k, z));
             let is_near = a.max(b) >= first - margin && a.min(b) <= last + margin;
-            is_near.then(|| self.candidate(k, station, z, true))
+            is_near.then(|| self.candidate(k, station, z))
         };
         let stations = 0..self.setup.settings.stations;
         let of_pair = |k| (stations.clone()).filter_map(move |station| segment(k, station));
@@ -147,7 +163,7 @@ impl ContactLines<'_> {
     /// The part of `z` in which tooth pair `k` lies within the reach of contact.
     fn within_reach(&self, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
         let xi = z.map(|z| self.contact_line(k, z));
-        let [first, last] = self.section.reach();
+        let [first, last] = self.section.reach;
         if xi.iter().all(|xi| first <= *xi && *xi <= last) {
             return Some(z);
         }
@@ -168,33 +184,32 @@ impl ContactLines<'_> {
         })
     }
 
-    /// Both flanks of tooth pair `k` about the point that may touch in the plane `z`; `clamped`: beyond the reach of contact that
-    /// at its end.
-    fn flanks(&self, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
+    /// Both flanks of tooth pair `k` about the point that may touch in the plane `z`.
+    fn flanks(&self, k: i32, z: f64) -> MatingFlanks<'_> {
         let mut xi = self.contact_line(k, z);
-        if clamped {
-            let [first, last] = self.section.reach();
+        if self.clamped {
+            let [first, last] = self.section.reach;
             xi = xi.clamp(first, last);
         }
         let (point, microgeometry) = (self.section.point(xi), self.microgeometry(k));
-        Flanks::new(&self.setup.geometry, &self.section, microgeometry, point, z)
+        MatingFlanks::new(&self.setup.geometry, &self.section, microgeometry, point, z)
     }
 
-    /// The segment of tooth pair `k` at `station` with the ends `z`; `clamped`: beyond the reach of contact as if it lay at its end.
-    fn candidate(&self, k: i32, station: usize, z: [f64; 2], clamped: bool) -> Candidate {
-        let numbers = self.section.numbers();
+    /// The segment of tooth pair `k` at `station` with the ends `z`.
+    fn candidate(&self, k: i32, station: usize, z: [f64; 2]) -> Candidate {
+        let numbers = &self.section.numbers;
         let teeth_close = (self.teeth).map_or(0.0, |(passing, counts)| {
             passing.closing(counts, k, self.tau)[0]
         });
         let both = self.microgeometry(k);
-        let middle = self.flanks(k, 0.5 * (z[0] + z[1]), clamped);
+        let middle = self.flanks(k, 0.5 * (z[0] + z[1]));
         let closest = middle.closest();
         let is_even = numbers.tan_beta_b == 0.0 && !both.iter().any(|m| m.varies_along_face());
         let points = points(z);
         let gap = points.map(|z| {
             let least = match is_even {
                 true => closest,
-                false => self.flanks(k, z, clamped).closest(),
+                false => self.flanks(k, z).closest(),
             };
             let lead = |i: usize| {
                 let own_z = z - numbers.face_offset[i];
@@ -202,7 +217,9 @@ impl ContactLines<'_> {
             };
             least.gap + (lead(0) + lead(1)) / numbers.cos_beta_b
         });
-        let levers = points.map(|z| numbers.lever(self.flank, self.tau, k, z));
+        // (z - z_ref) + sigma y, y from the pitch point along the path: a tilt moves the point (y, z) of gear 2 by M (z n_t - y z)
+        // against gear 1, n_t the line of action, and the normal of the flanks is cos beta_b (n_t - sigma z).
+        let levers = points.map(|z| (z - numbers.z_ref) + self.lean() * self.contact_line(k, z));
         let own_share = self.setup.settings.own_share;
         Candidate {
             tooth_pair: k,
@@ -216,14 +233,13 @@ impl ContactLines<'_> {
         }
     }
 
-    /// The segment of tooth pair `k` with the ends `z` in the canonical coordinates of gear 1 and gear 2; `clamped`: beyond the
-    /// reach of contact as if it lay at its end.
+    /// The segment of tooth pair `k` with the ends `z` in the canonical coordinates of gear 1 and gear 2.
     ///
     /// Tooth pair k lies k pitches ahead in the sense of rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k
     /// and -k.
-    pub fn seen_by_gears(&self, k: i32, z: [f64; 2], clamped: bool) -> [Segment; 2] {
+    pub fn seen_by_gears(&self, k: i32, z: [f64; 2]) -> [Segment; 2] {
         let ends = z.map(|z| {
-            let flanks = self.flanks(k, z, clamped);
+            let flanks = self.flanks(k, z);
             flanks.rolls(flanks.closest().s)
         });
         [0, 1].map(|i| self.seen_by_gear(i, k, z, ends.map(|end| end[i])))
@@ -234,20 +250,16 @@ impl ContactLines<'_> {
         let gear = &self.setup.geometry.gears[i];
         let b = gear.face_width;
         let mut z = z.map(|z| (z - gear.face_offset).clamp(0.0, b));
-        if self.is_mirrored(i) {
+        if self.setup.geometry.is_mirrored(self.flank, i) {
             (z, roll) = ([b - z[1], b - z[0]], [roll[1], roll[0]]);
         }
         let tooth = [k, -k][i];
         Segment { tooth, z, roll }
     }
 
-    /// `segments` as gear 1 and gear 2 see them; `clamped` as before.
-    pub fn all_seen_by_gears(&self, segments: &[Candidate], clamped: bool) -> Vec<[Segment; 2]> {
-        let seen = |s: &Candidate| self.seen_by_gears(s.tooth_pair, s.z, clamped);
+    /// `segments` as gear 1 and gear 2 see them.
+    pub fn all_seen_by_gears(&self, segments: &[Candidate]) -> Vec<[Segment; 2]> {
+        let seen = |s: &Candidate| self.seen_by_gears(s.tooth_pair, s.z);
         segments.iter().map(seen).collect()
-    }
-
-    pub fn is_mirrored(&self, i: usize) -> bool {
-        self.setup.geometry.is_mirrored(self.flank, i)
     }
 }

@@ -131,10 +131,10 @@ impl Problem<'_> {
             }
             let factor = self.factor(&at, &active)?;
             let step = self.newton_step(&at, &active, &factor);
-            let fraction;
-            (at, fraction) = self.advance(at, &step);
+            let is_whole;
+            (at, is_whole) = self.advance(at, &step);
             residual = self.residual(&at);
-            balanced |= fraction == 1.0;
+            balanced |= is_whole;
         }
         Err(Failure::NotConverged {
             iterations: MAXIMUM_ITERATIONS,
@@ -219,13 +219,10 @@ impl Problem<'_> {
         let mut y = -&at.y;
         active.iter().for_each(|&i| y[i] = 0.0);
         let freed = self.bulk * &y;
-        let mut change = DVector::from_iterator(
-            active.len(),
-            active.iter().map(|&i| {
-                let loads = &at.loads[i];
-                (loads.force() - at.y[i]) / loads.slope() - freed[i]
-            }),
-        );
+        let mut change = DVector::from_fn(active.len(), |place, _| {
+            let (i, loads) = (active[place], &at.loads[active[place]]);
+            (loads.force() - at.y[i]) / loads.slope() - freed[i]
+        });
         factor.solve_mut(&mut change);
         let mut delta = 0.0;
         if let Target::Force(force) = self.target {
@@ -258,8 +255,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Goes along `step` as far as J does not rise too much, and returns which part of it.
-    fn advance(&self, from: Iterate, step: &Step) -> (Iterate, f64) {
+    /// Goes along `step` as far as J does not rise too much, and returns whether that is all of it.
+    fn advance(&self, from: Iterate, step: &Step) -> (Iterate, bool) {
         let moved = |t: f64| {
             let at = self.with_displacement(
                 &from.y + &step.y * t,
@@ -273,12 +270,11 @@ impl Problem<'_> {
         let (mut at, end) = moved(1.0);
         // At the level of rounding the sign of the slope means nothing.
         if initial >= 0.0 || end <= -0.9 * initial {
-            return (at, 1.0);
+            return (at, true);
         }
         let (mut low, mut high) = (0.0, 1.0);
-        let mut middle = 0.5;
         for _ in 0..40 {
-            middle = 0.5 * (low + high);
+            let middle = 0.5 * (low + high);
             let slope;
             (at, slope) = moved(middle);
             if slope.abs() <= -0.2 * initial {
@@ -290,7 +286,7 @@ impl Problem<'_> {
                 low = middle;
             }
         }
-        (at, middle)
+        (at, false)
     }
 
     /// The largest pressure under `loads` that no flank carries.

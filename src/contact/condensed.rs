@@ -15,13 +15,10 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::candidates::{Candidate, ContactLines};
-use super::error::ContactError;
 use super::influence::Influence;
 use super::root_stress::CondensedRoots;
 use super::setup::ContactSetup;
-use super::solver::ContactSolver;
 use crate::accuracy::InterpolationError;
-use crate::gear::Flank;
 use crate::sealed;
 use crate::vector::Lanes;
 
@@ -69,16 +66,14 @@ impl CondensedFlank {
         offsets.iter().flat_map(row).collect()
     }
 
-    /// Of the `nodes` at all places of [`CondensedFlank::grid`] with the offsets `offsets` (m), which `solver` gives for `flank`.
-    ///
-    /// # Errors
-    /// As [`ContactSolver::position`].
+    /// Of the `nodes` at all places of [`CondensedFlank::grid`] with the offsets `offsets` (m), on so many `stations`; `shares`
+    /// are those of both gears, see [`CondensedFlank::shares`].
     pub fn from_nodes(
-        solver: &ContactSolver,
-        flank: Flank,
+        stations: usize,
+        shares: [f64; 2],
         offsets: &[f64],
         nodes: &[CondensedNode],
-    ) -> Result<CondensedFlank, ContactError> {
+    ) -> CondensedFlank {
         let pairs = || {
             let segments = nodes.iter().flat_map(|node| &node.segments);
             segments.map(|segment| segment.tooth_pair)
@@ -87,13 +82,13 @@ impl CondensedFlank {
         let mut condensed = CondensedFlank {
             positions: POSITIONS,
             offsets: offsets.to_vec(),
-            stations: solver.settings().stations,
+            stations,
             first_pair,
-            shares: solver.tooth_shares(flank)?,
-            roots: None,
             pairs: pairs()
                 .max()
                 .map_or(0, |last| (last - first_pair + 1) as usize),
+            shares,
+            roots: None,
             values: vec![],
         };
         let (size, segments) = (condensed.node_size(), condensed.segments());
@@ -112,7 +107,7 @@ impl CondensedFlank {
             }
         }
         condensed.values = values;
-        Ok(condensed)
+        condensed
     }
 
     fn segments(&self) -> usize {

@@ -10,7 +10,7 @@
 use super::candidates::{Candidate, ContactLines};
 use super::complementarity::Solution;
 use super::local_law::{LocalContact, POINTS, PointLoads};
-use super::position::PositionProblem;
+use super::position::{EdgeLoad, LawAt, LawsAlong, PositionProblem};
 use crate::root::bracket;
 
 const AT_POINTS: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
@@ -19,41 +19,6 @@ const AT_RELIEF: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 
 /// Halvings in the search for the position at which the contact line comes to an edge: to a micrometre of face.
 const BISECTIONS: usize = 12;
-
-/// Laws along one segment.
-pub(super) struct LawsAlong {
-    /// Near a tip edge; none where contact does not come to one.
-    edge: Vec<LawAt>,
-    /// Where contact may reach the start of a relief.
-    relief: Vec<LawAt>,
-}
-
-struct LawAt {
-    /// Part of the segment's length from its middle.
-    position: f64,
-    law: LocalContact,
-}
-
-/// Contact at a tip edge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EdgeLoad {
-    /// Normal force per length of contact line, N/m, at this position, not the mean of a segment.
-    pub line_load: f64,
-    /// Where along the face, in gear 1's frame, m.
-    pub z: f64,
-    /// The gear whose tip edge it is, 0 or 1.
-    pub gear: usize,
-}
-
-impl EdgeLoad {
-    /// The one with the larger line load.
-    pub fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
-        match (a, b) {
-            (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
-            (a, b) => a.or(b),
-        }
-    }
-}
 
 /// What a segment bears at one position.
 struct Sample<'a> {

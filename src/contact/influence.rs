@@ -69,7 +69,7 @@ impl Influence {
         candidates: &[Candidate],
         seen: &[[Segment; 2]],
     ) -> Result<Influence, BeyondModel> {
-        let (numbers, reference) = (lines.section.numbers(), lines.setup.reference_length);
+        let (numbers, reference) = (&lines.section.numbers, lines.setup.reference_length);
         let n = candidates.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [Vec::new(), Vec::new()];

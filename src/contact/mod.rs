@@ -10,7 +10,7 @@
 //!
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
-//! The gap of a segment is that of the modified flanks where they come closest (`gap.rs`), minus what the misalignment closes,
+//! The gap of a segment is that of the modified flanks where they come closest (`transverse.rs`), minus what the misalignment closes,
 //! M (z - z_ref + sigma y), y from the pitch point along the path and sigma = dy/dz the slope of the contact lines in the plane of
 //! action: a rigid tilt turns their generators, too. It is taken at several points of each segment, so that the edge of the
 //! contact moves in small steps; forces and bulk displacements are those of whole segments. At run time
@@ -39,9 +39,8 @@ mod transverse;
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
 pub use condensed::{CondensedFlank, CondensedNode, ContactFile};
-pub use edge_load::EdgeLoad;
 pub use error::{ContactError, Failure, Prescribed};
-pub use position::{ContactResult, PositionProblem, SegmentLoad, Tangent};
+pub use position::{ContactResult, EdgeLoad, PositionProblem, SegmentLoad, Tangent};
 pub use root_stress::{COMPONENTS, CondensedRoots, Fillet, ROLLS, RootField, RootPoint};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
 pub use setup::{ContactSettings, ContactSetup, Deflection, widest_contact};

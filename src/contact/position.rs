@@ -4,7 +4,6 @@ use nalgebra::DVector;
 
 use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Problem, Solution, Start, Target};
-use super::edge_load::{EdgeLoad, LawsAlong};
 use super::error::{ContactError, Failure, Prescribed, finite};
 use super::gap::GapProfile;
 use super::influence::Influence;
@@ -36,6 +35,20 @@ pub struct PositionProblem {
     foundation: f64,
 }
 
+/// Laws along one segment.
+pub(super) struct LawsAlong {
+    /// Near a tip edge; none where contact does not come to one.
+    pub edge: Vec<LawAt>,
+    /// Where contact may reach the start of a relief.
+    pub relief: Vec<LawAt>,
+}
+
+pub(super) struct LawAt {
+    /// Part of the segment's length from its middle.
+    pub position: f64,
+    pub law: LocalContact,
+}
+
 /// Derivatives of load and moment at a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tangent {
@@ -45,6 +58,27 @@ pub struct Tangent {
     pub force_by_misalignment: f64,
     /// d moment / d misalignment, N m/rad.
     pub moment_by_misalignment: f64,
+}
+
+/// Contact at a tip edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeLoad {
+    /// Normal force per length of contact line, N/m, at this position, not the mean of a segment.
+    pub line_load: f64,
+    /// Where along the face, in gear 1's frame, m.
+    pub z: f64,
+    /// The gear whose tip edge it is, 0 or 1.
+    pub gear: usize,
+}
+
+impl EdgeLoad {
+    /// The one with the larger line load.
+    pub fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
+        match (a, b) {
+            (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
+            (a, b) => a.or(b),
+        }
+    }
 }
 
 /// One segment in a solution.
@@ -125,7 +159,7 @@ impl PositionProblem {
         candidates: Vec<Candidate>,
         influence: Influence,
     ) -> PositionProblem {
-        let (setup, numbers) = (lines.setup, lines.section.numbers());
+        let (setup, numbers) = (lines.setup, &lines.section.numbers);
         let modulus = setup.geometry.gears.iter().map(|g| g.youngs_modulus);
         let arm = |i: usize, _| candidates[i].arms[0] * numbers.cos_beta_b;
         let mut problem = PositionProblem {
@@ -190,12 +224,9 @@ impl PositionProblem {
     /// Approach at which the first segment touches, m: the no-load transmission error.
     pub fn no_load_approach(&self, misalignment: f64) -> f64 {
         // Rounded so that it closes no gap.
-        let touch = |gap: f64, arm: f64| {
-            let approach = gap / arm;
-            match arm * approach > gap {
-                true => approach.next_down(),
-                false => approach,
-            }
+        let touch = |gap: f64, arm: f64| match gap / arm {
+            approach if arm * approach > gap => approach.next_down(),
+            approach => approach,
         };
         self.gaps(misalignment)
             .into_iter()
@@ -220,8 +251,7 @@ impl PositionProblem {
             return Err(ContactError::input(
                 "torque",
                 torque,
-                "give a finite torque on gear 1 that is not negative; \
-                         the coast flank is a flank of its own",
+                "give a finite torque on gear 1 that is not negative; the coast flank is a flank of its own",
             ));
         }
         if torque == 0.0 {
@@ -330,12 +360,9 @@ impl PositionProblem {
     fn result(&self, solution: Solution, misalignment: f64) -> ContactResult {
         let gap = self.gaps(misalignment);
         let loa_force = self.arm.dot(&solution.force);
-        let over_force = |value: f64| {
-            if loa_force > 0.0 {
-                value / loa_force
-            } else {
-                0.0
-            }
+        let over_force = |value: f64| match loa_force > 0.0 {
+            true => value / loa_force,
+            false => 0.0,
         };
         let (moment, tangent) = self.moment(&solution);
         let edge_loads = self.edge_loads(&solution, &gap);

@@ -169,6 +169,7 @@ impl RuntimeContact {
                 flank: self.flank,
                 tau: position - turns,
                 teeth: self.teeth.as_deref().map(|passing| (passing, counts)),
+                clamped: false,
             },
         };
         let candidates = pose.candidates();
@@ -259,12 +260,8 @@ impl RuntimeContact {
                 let known = problem.lengths(i);
                 let grown = |g: usize| influence[axis].lengths[g][number] * STEPS[axis];
                 let lengths = [0, 1].map(|g| known[g] + grown(g));
-                let Candidate {
-                    tooth_pair,
-                    station,
-                    ..
-                } = segments[i];
-                let there = (lines.segment(tooth_pair, station)).map_or(0.0, |segment| {
+                let there = lines.segment(segments[i].tooth_pair, segments[i].station);
+                let there = there.map_or(0.0, |segment| {
                     let law = problem.law(&segment, &segment.profile, lengths);
                     let closing = self.numbers.cos_beta_b * segment.arms[0] * pose.approach;
                     let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];

@@ -273,14 +273,14 @@ impl ContactSolver {
             let closed = candidate.points().map(|z| {
                 let [closing, slope] = self.deflection.closing(z);
                 let y = lines.contact_line(candidate.tooth_pair, z);
-                closing + slope * self.numbers.lean(lines.flank) * y
+                closing + slope * lines.lean() * y
             });
             let closed = along_segment(closed, self.setup.settings.own_share);
             for (gap, closed) in candidate.gap.iter_mut().zip(closed) {
                 *gap -= closed;
             }
         }
-        let seen = lines.all_seen_by_gears(&candidates, false);
+        let seen = lines.all_seen_by_gears(&candidates);
         let influence = self.influence_of(lines, &candidates, &seen)?;
         let mut problem = PositionProblem::new(lines, candidates, influence);
         // Compared with approach and misalignment alone.
@@ -308,9 +308,9 @@ impl ContactSolver {
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
     pub fn stations(&self, flank: Flank) -> Result<Vec<[Segment; 2]>, ContactError> {
-        let lines = self.lines(flank, 0.0, 0.0)?;
+        let lines = self.lines(flank, 0.0, 0.0)?.clamped();
         let stations = 0..self.setup.settings.stations;
-        let seen = |station| lines.seen_by_gears(0, lines.station(station), true);
+        let seen = |station| lines.seen_by_gears(0, lines.station(station));
         Ok(stations.map(seen).collect())
     }
 
@@ -323,9 +323,9 @@ impl ContactSolver {
         flank: Flank,
         [tau, center_distance_offset]: [f64; 2],
     ) -> Result<CondensedNode, ContactError> {
-        let lines = self.lines(flank, tau, center_distance_offset)?;
+        let lines = self.lines(flank, tau, center_distance_offset)?.clamped();
         let segments = lines.segments_beyond(NODE_MARGIN * self.numbers.base_pitch);
-        let seen = lines.all_seen_by_gears(&segments, true);
+        let seen = lines.all_seen_by_gears(&segments);
         let influence = self.influence_of(&lines, &segments, &seen)?;
         Ok(CondensedNode {
             segments,
@@ -334,11 +334,14 @@ impl ContactSolver {
     }
 
     /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.
-    pub(super) fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
-        let lines = self.lines(flank, 0.0, 0.0)?;
+    ///
+    /// # Errors
+    /// As [`ContactSolver::position`].
+    pub fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
+        let lines = self.lines(flank, 0.0, 0.0)?.clamped();
         let mut segments = lines.segments_beyond(0.0);
         segments.retain(|segment| segment.tooth_pair == 0);
-        let seen = lines.all_seen_by_gears(&segments, true);
+        let seen = lines.all_seen_by_gears(&segments);
         let mut sums = [0.0; 2];
         for (i, sum) in sums.iter_mut().enumerate() {
             let seen: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
@@ -363,6 +366,7 @@ impl ContactSolver {
             flank,
             tau,
             teeth: None,
+            clamped: false,
         })
     }
 
@@ -370,7 +374,7 @@ impl ContactSolver {
     fn model(&self, lines: &ContactLines<'_>, i: usize) -> &dyn ToothCompliance {
         let model: &dyn ToothCompliance = &*self.compliance[i];
         match model.turned() {
-            Some(turned) if lines.is_mirrored(i) => turned,
+            Some(turned) if self.setup.geometry.is_mirrored(lines.flank, i) => turned,
             _ => model,
         }
     }

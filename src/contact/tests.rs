@@ -6,8 +6,9 @@ use std::sync::Arc;
 use approx::assert_abs_diff_eq;
 use nalgebra::DMatrix;
 
-use super::gap::{Flanks, LEAST_CURVATURE};
-use super::transverse::{PairNumbers, TransversePoint, TransverseSection};
+use super::transverse::{
+    LEAST_CURVATURE, MatingFlanks, PairNumbers, TransversePoint, TransverseSection,
+};
 use super::{ContactError, ContactSettings, ContactSolver, Deflection, Failure, PositionProblem};
 use crate::compliance::{BeyondModel, Segment, ToothCompliance};
 use crate::friction::FrictionLaw;
@@ -51,9 +52,13 @@ fn section(g: &PairGeometry, limit: f64) -> TransverseSection {
 /// Some place along the face, m.
 const Z: f64 = 7e-3;
 
-fn flanks<'a>(pair: &'a Pair, section: &'a TransverseSection, at: TransversePoint) -> Flanks<'a> {
+fn flanks<'a>(
+    pair: &'a Pair,
+    section: &'a TransverseSection,
+    at: TransversePoint,
+) -> MatingFlanks<'a> {
     let drive = pair.microgeometry.drive.each_ref();
-    Flanks::new(&pair.geometry, section, drive, at, Z)
+    MatingFlanks::new(&pair.geometry, section, drive, at, Z)
 }
 
 #[test]
@@ -72,7 +77,7 @@ fn the_closest_point_is_the_least_gap_of_all() {
         });
     }
     let (g, section) = (&pair.geometry, section(&pair.geometry, 100e-6));
-    let [first, last] = section.reach();
+    let [first, last] = section.reach;
     for step in 0..=200 {
         let at = section.point(first + (last - first) * f64::from(step) / 200.0);
         let found = flanks(&pair, &section, at);
@@ -84,7 +89,7 @@ fn the_closest_point_is_the_least_gap_of_all() {
                 at.roll[i] + sense * s * g.gears[i].base_radius() / at.roll[i]
             });
             let within = (0..2).all(|i| {
-                let [tip, form] = section.flank_ends(i);
+                let (tip, form) = (section.numbers.tip_roll[i], section.form_rolls[i]);
                 rolls[i] <= tip + 1e-12 && rolls[i] >= form
             });
             let removal: f64 = (0..2)
@@ -121,7 +126,7 @@ fn the_closest_point_is_the_least_gap_of_all() {
 fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
     let pair = plain_pair("palermo2013");
     let section = section(&pair.geometry, 100e-6);
-    for xi in section.reach() {
+    for xi in section.reach {
         let at = section.point(0.8 * xi);
         let found = flanks(&pair, &section, at);
         let closest = found.closest();
@@ -223,7 +228,7 @@ fn separation_and_arm_of_a_tip_edge_are_those_of_the_signed_distance_from_the_ma
     for p in &pairs {
         let section = section(p, 50e-6);
         let path = p.path_of_contact(p.center_distance);
-        let [first, last] = section.reach();
+        let [first, last] = section.reach;
         assert!(first < path.start && path.end < last, "{path:?}");
         for (end, tip_gear, limit) in [(path.start, 1, first), (path.end, 0, last)] {
             for fraction in [0.2, 0.6, 1.0] {

@@ -5,7 +5,7 @@
 //! topography over both. [`Microgeometry::removal`] is their sum; contact takes its parts along profile and face. Names
 //! and signs of drawings: ISO 21771-1, ISO 1328-1; where a sign differs from theirs, the field says so.
 
-use super::topography::Topography;
+use super::topography::{ProfilePiece, Topography};
 use super::{BothFlanks, Gear};
 use serde::{Deserialize, Serialize};
 
@@ -33,9 +33,8 @@ pub struct Microgeometry {
 }
 
 impl Microgeometry {
-    /// Removal along the flank normal, m, at the length of roll `roll` (transverse, m) and at `z`, m,
-    /// from the z = 0 face of this gear towards its other face. This is the gear as it stands: who
-    /// mirrors a gear along its axis must mirror `z` back first.
+    /// Removal along the flank normal, m, at the length of roll `roll` (transverse, m) and at `z`, m from the z = 0 face of this
+    /// gear as it stands: who mirrors a gear along its axis must mirror `z` back first.
     pub fn removal(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
         self.profile(gear, roll, z).removal + self.lead(gear, z)
     }
@@ -86,8 +85,7 @@ impl Microgeometry {
     /// The part of [`Microgeometry::removal`] that depends on `z` alone, m.
     pub fn lead(&self, gear: &Gear, z: f64) -> f64 {
         let t = along_face(gear, z);
-        let ends = [z, gear.face_width - z];
-        let reliefs = self.end_relief.iter().zip(ends);
+        let reliefs = self.end_relief.iter().zip([z, gear.face_width - z]);
         let removal = reliefs.map(|(relief, z)| relief.map_or(0.0, |r| r.removal(z)));
         let end_relief: f64 = removal.sum();
         self.lead_crowning * t * t + 0.5 * self.lead_slope * t + end_relief
@@ -206,57 +204,6 @@ impl ProfileRelief {
     /// 1 where the relief lies at longer lengths of roll than its start, -1 at shorter ones.
     pub fn side(&self) -> f64 {
         (self.end_roll - self.start_roll).signum()
-    }
-}
-
-/// What is taken off a flank about one length of roll, at one place along the face: a parabola, with a topography a cubic.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProfilePiece {
-    /// Removal there, m.
-    pub removal: f64,
-    /// Its slope over the length of roll, m/m.
-    pub slope: f64,
-    /// The slope of that, m/m².
-    pub curvature: f64,
-    /// The slope of that, m/m³: zero without a topography.
-    pub curvature_slope: f64,
-    /// Lengths of roll between which all this is one polynomial, m.
-    pub range: [f64; 2],
-}
-
-impl Default for ProfilePiece {
-    /// The unmodified flank.
-    fn default() -> Self {
-        ProfilePiece::parabola([0.0; 3])
-    }
-}
-
-impl ProfilePiece {
-    /// One of this removal, slope and curvature for all lengths of roll.
-    #[inline(always)]
-    fn parabola([removal, slope, curvature]: [f64; 3]) -> ProfilePiece {
-        ProfilePiece {
-            removal,
-            slope,
-            curvature,
-            curvature_slope: 0.0,
-            range: [f64::NEG_INFINITY, f64::INFINITY],
-        }
-    }
-
-    /// Both together.
-    #[inline(always)]
-    pub(super) fn and(self, other: ProfilePiece) -> ProfilePiece {
-        ProfilePiece {
-            removal: self.removal + other.removal,
-            slope: self.slope + other.slope,
-            curvature: self.curvature + other.curvature,
-            curvature_slope: self.curvature_slope + other.curvature_slope,
-            range: [
-                self.range[0].max(other.range[0]),
-                self.range[1].min(other.range[1]),
-            ],
-        }
     }
 }
 

@@ -3,7 +3,6 @@
 //! Coordinates of one gear (body frame): origin on the axis in the z = 0 face, z along the axis, x through a tooth centre
 //! at z = 0 (ring: a space centre). A flank has the sign `sigma`: +1 is the flank that faces the +theta sense.
 
-mod body;
 mod macrogeometry;
 mod microgeometry;
 mod pair_geometry;
@@ -15,13 +14,14 @@ pub mod teeth;
 pub mod tolerance;
 mod topography;
 
-pub use body::{Annulus, Body, Stub};
-pub use macrogeometry::{Gear, GearKind, GeometryError, LEAST_WALL, inverse_involute, involute};
+pub use macrogeometry::{
+    Annulus, Body, Gear, GearKind, GeometryError, Stub, inverse_involute, involute,
+};
 pub use microgeometry::{
-    EndRelief, Microgeometry, PairMicrogeometry, ProfileCrowning, ProfilePiece, ProfileRelief,
-    ProfileSlope, ReliefShape,
+    EndRelief, Microgeometry, PairMicrogeometry, ProfileCrowning, ProfileRelief, ProfileSlope,
+    ReliefShape,
 };
 pub use pair_geometry::{BothFlanks, Flank, PairGeometry, PathOfContact};
 pub use profile::{ProfileError, ProfilePoint, ToothProfile};
 pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
-pub use topography::{Topography, TopographyError};
+pub use topography::{ProfilePiece, Topography, TopographyError};

@@ -257,14 +257,6 @@ impl PairGeometry {
         1.0 / (transverse * self.base_helix_angle().cos())
     }
 
-    /// Distance from the pitch point on the line of action at which tooth pair `k` touches in the plane `z` (gear 1's
-    /// frame, m) at mesh position `tau`: xi = (tau + k) p_bt + s h tan beta_b (z - z_ref). On gear 1 a larger z lies
-    /// ahead in +theta for a right-handed helix, so there contact has moved on.
-    pub fn contact_line(&self, flank: Flank, tau: f64, k: i32, z: f64) -> f64 {
-        (tau + f64::from(k)) * self.base_pitch()
-            + flank.sign() * self.gears[0].hand * self.base_helix_angle().tan() * (z - self.z_ref())
-    }
-
     /// Refuses numbers that no checked pair file gives.
     ///
     /// # Errors

@@ -1,7 +1,57 @@
 //! A flank given point by point: removal over the length of roll and the face.
 
-use super::ProfilePiece;
 use serde::{Deserialize, Serialize};
+
+/// What is taken off a flank about one length of roll, at one place along the face: a parabola, with a topography a cubic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfilePiece {
+    /// Removal there, m.
+    pub removal: f64,
+    /// Its slope over the length of roll, m/m.
+    pub slope: f64,
+    /// The slope of that, m/m².
+    pub curvature: f64,
+    /// The slope of that, m/m³: zero without a topography.
+    pub curvature_slope: f64,
+    /// Lengths of roll between which all this is one polynomial, m.
+    pub range: [f64; 2],
+}
+
+impl Default for ProfilePiece {
+    /// The unmodified flank.
+    fn default() -> Self {
+        ProfilePiece::parabola([0.0; 3])
+    }
+}
+
+impl ProfilePiece {
+    /// One of this removal, slope and curvature for all lengths of roll.
+    #[inline(always)]
+    pub(super) fn parabola([removal, slope, curvature]: [f64; 3]) -> ProfilePiece {
+        ProfilePiece {
+            removal,
+            slope,
+            curvature,
+            curvature_slope: 0.0,
+            range: [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// Both together.
+    #[inline(always)]
+    pub(super) fn and(self, other: ProfilePiece) -> ProfilePiece {
+        ProfilePiece {
+            removal: self.removal + other.removal,
+            slope: self.slope + other.slope,
+            curvature: self.curvature + other.curvature,
+            curvature_slope: self.curvature_slope + other.curvature_slope,
+            range: [
+                self.range[0].max(other.range[0]),
+                self.range[1].min(other.range[1]),
+            ],
+        }
+    }
+}
 
 /// A grid that is no topography.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

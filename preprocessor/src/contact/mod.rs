@@ -33,7 +33,10 @@ pub fn condensed_flank(
         .into_par_iter()
         .map(|place| solver.node(flank, place))
         .collect::<Result<Vec<_>, _>>()?;
-    CondensedFlank::from_nodes(solver, flank, offsets, &nodes)
+    let (stations, shares) = (solver.settings().stations, solver.tooth_shares(flank)?);
+    Ok(CondensedFlank::from_nodes(
+        stations, shares, offsets, &nodes,
+    ))
 }
 
 /// What `models` of gear 1 and gear 2 give of the stress in the tooth roots at run time, by loads on the stations of `solver` on

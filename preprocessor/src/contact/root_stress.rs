@@ -10,7 +10,6 @@ use gearmesh::compliance::Segment;
 use gearmesh::contact::{
     ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint, SegmentLoad,
 };
-use gearmesh::gear::{Flank, PairGeometry};
 
 /// Stress in the root of one tooth at one mesh position. z of its points is in gear 1's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,17 +29,17 @@ pub struct ToothRoot {
 pub struct GearRoots {
     /// Every tooth under load at every position.
     pub teeth: Vec<ToothRoot>,
-    /// The place of `teeth` with the largest stress; None without load.
-    pub largest: Option<usize>,
-    /// The fillet of that tooth there: along the face (ascending in gear 1's frame) the points along the profile, from
-    /// the middle of the space to the start of the involute.
+    /// The fillet of the tooth with the largest stress there: along the face (ascending in gear 1's frame) the points along the
+    /// profile, from the middle of the space to the start of the involute; empty without load.
     pub field: Vec<Vec<RootPoint>>,
 }
 
 impl GearRoots {
-    /// The tooth with the largest stress.
+    /// The tooth with the largest stress; None without load.
     pub fn largest(&self) -> Option<&ToothRoot> {
-        self.teeth.get(self.largest?)
+        let stress = |tooth: &ToothRoot| tooth.largest.stress;
+        let teeth = self.teeth.iter();
+        teeth.max_by(|a, b| stress(a).total_cmp(&stress(b)))
     }
 
     /// Largest stress at each of `positions`, Pa; 0 without load. `of` picks it.
@@ -66,16 +65,16 @@ pub struct PositionRoots<'a> {
 impl<'a> PositionRoots<'a> {
     /// Of all segments of `problem`; `models` are those of gear 1 and gear 2 for its flank.
     pub fn new(problem: &PositionProblem, models: &'a [Arc<RootStress>; 2]) -> Self {
-        let seen = problem.seen_by_gears().iter().copied();
-        Self::of_segments(seen, problem.center_distance_offset(), models)
+        let offset = problem.center_distance_offset();
+        Self::of_segments(problem.seen_by_gears(), offset, models)
     }
 
     fn of_segments(
-        seen: impl Iterator<Item = [Segment; 2]> + Clone,
+        seen: &[[Segment; 2]],
         center_distance_offset: f64,
         models: &'a [Arc<RootStress>; 2],
     ) -> Self {
-        let of_gear = |i: usize| seen.clone().map(|both| both[i]).collect::<Vec<_>>();
+        let of_gear = |i: usize| seen.iter().map(|both| both[i]).collect::<Vec<_>>();
         PositionRoots {
             models,
             segments: [0, 1].map(|i| models[i].spread(&of_gear(i))),
@@ -106,7 +105,7 @@ impl<'a> PositionRoots<'a> {
     /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
     pub fn largest(&self, result: &ContactResult) -> Result<[f64; 2], ContactError> {
         let mut largest = [0.0f64; 2];
-        for pair in under_load(&result.segments) {
+        for pair in under_load(result) {
             for (i, largest) in largest.iter_mut().enumerate() {
                 let field = self.field(i, pair, &result.segments)?;
                 *largest = largest.max(field.largest().stress);
@@ -117,8 +116,8 @@ impl<'a> PositionRoots<'a> {
 }
 
 /// The tooth pairs that bear, ascending.
-fn under_load(loads: &[SegmentLoad]) -> Vec<i32> {
-    let loaded = loads.iter().filter(|segment| segment.force > 0.0);
+fn under_load(result: &ContactResult) -> Vec<i32> {
+    let loaded = result.segments.iter().filter(|segment| segment.force > 0.0);
     let mut pairs: Vec<i32> = loaded.map(|segment| segment.tooth_pair).collect();
     pairs.dedup();
     pairs
@@ -136,81 +135,62 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let positions: Vec<(PositionRoots, Vec<SegmentLoad>)> = (self.results.par_iter())
+        let roots: Vec<PositionRoots> = (self.results.par_iter())
             .map(|result| {
-                let loaded = result.segments.iter().filter(|segment| segment.force > 0.0);
-                let loaded: Vec<SegmentLoad> = loaded.copied().collect();
-                let (seen, offset) = (loaded.iter().map(|s| s.seen), input.center_distance_offset);
-                (PositionRoots::of_segments(seen, offset, models), loaded)
+                let seen: Vec<_> = result.segments.iter().map(|segment| segment.seen).collect();
+                PositionRoots::of_segments(&seen, input.center_distance_offset, models)
             })
             .collect();
-        let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));
-        Ok([first?, second?])
-    }
-}
-
-fn of_gear(
-    solver: &ContactSolver,
-    input: &CycleInput,
-    i: usize,
-    positions: &[(PositionRoots, Vec<SegmentLoad>)],
-) -> Result<GearRoots, ContactError> {
-    let field = |position: usize, tooth_pair: i32| {
-        let (roots, loads) = &positions[position];
-        roots.field(i, tooth_pair, loads)
-    };
-    let placed = |point: RootPoint| RootPoint {
-        z: z_in_frame(solver.geometry(), input.flank, i, point.z),
-        ..point
-    };
-    let teeth = positions
-        .iter()
-        .enumerate()
-        .flat_map(|(position, (_, loads))| {
-            let pairs = under_load(loads);
-            pairs.into_iter().map(move |pair| (position, pair))
-        });
-    let teeth: Vec<(usize, i32)> = teeth.collect();
-    let teeth = teeth
-        .into_par_iter()
-        .map(|(position, tooth_pair)| {
-            let field = field(position, tooth_pair)?;
-            Ok(ToothRoot {
-                position,
-                tooth_pair,
-                largest: placed(field.largest()),
-                at_tangent: field.at_tangent().map(placed),
+        let results = self.results.iter().enumerate();
+        let teeth: Vec<(usize, i32)> = results
+            .flat_map(|(position, result)| {
+                under_load(result)
+                    .into_iter()
+                    .map(move |pair| (position, pair))
             })
-        })
-        .collect::<Result<Vec<ToothRoot>, ContactError>>()?;
-    let stress = |tooth: &ToothRoot| tooth.largest.stress;
-    let largest = (0..teeth.len()).max_by(|a, b| stress(&teeth[*a]).total_cmp(&stress(&teeth[*b])));
-    let field = match largest.map(|at| &teeth[at]) {
-        Some(tooth) => {
-            let field = field(tooth.position, tooth.tooth_pair)?;
-            let along_face = 0..field.z().len();
-            let mut rows: Vec<Vec<RootPoint>> = along_face
-                .map(|number| field.profile(number).map(placed).collect())
-                .collect();
-            rows.sort_by(|a, b| a[0].z.total_cmp(&b[0].z));
-            rows
-        }
-        None => Vec::new(),
-    };
-    Ok(GearRoots {
-        teeth,
-        largest,
-        field,
-    })
-}
-
-/// z in gear 1's frame of the canonical coordinate `z` of gear `i`, m.
-fn z_in_frame(geometry: &PairGeometry, flank: Flank, i: usize, z: f64) -> f64 {
-    let gear = &geometry.gears[i];
-    let own = if geometry.is_mirrored(flank, i) {
-        gear.face_width - z
-    } else {
-        z
-    };
-    gear.face_offset + own
+            .collect();
+        let geometry = &solver.setup().geometry;
+        let of_gear = |i: usize| -> Result<GearRoots, ContactError> {
+            let field = |(position, tooth_pair): (usize, i32)| {
+                roots[position].field(i, tooth_pair, &self.results[position].segments)
+            };
+            // From the gear's canonical coordinates into gear 1's frame.
+            let placed = |point: RootPoint| {
+                let gear = &geometry.gears[i];
+                let z = match geometry.is_mirrored(input.flank, i) {
+                    true => gear.face_width - point.z,
+                    false => point.z,
+                };
+                RootPoint {
+                    z: gear.face_offset + z,
+                    ..point
+                }
+            };
+            let teeth = (teeth.par_iter())
+                .map(|&(position, tooth_pair)| {
+                    let field = field((position, tooth_pair))?;
+                    Ok(ToothRoot {
+                        position,
+                        tooth_pair,
+                        largest: placed(field.largest()),
+                        at_tangent: field.at_tangent().map(placed),
+                    })
+                })
+                .collect::<Result<Vec<ToothRoot>, ContactError>>()?;
+            let mut found = GearRoots {
+                teeth,
+                field: Vec::new(),
+            };
+            if let Some(tooth) = found.largest() {
+                let field = field((tooth.position, tooth.tooth_pair))?;
+                let along_face = 0..field.z().len();
+                let profile = |number| field.profile(number).map(placed).collect();
+                let mut rows: Vec<Vec<RootPoint>> = along_face.map(profile).collect();
+                rows.sort_by(|a, b| a[0].z.total_cmp(&b[0].z));
+                found.field = rows;
+            }
+            Ok(found)
+        };
+        Ok([of_gear(0)?, of_gear(1)?])
+    }
 }

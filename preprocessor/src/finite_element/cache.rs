@@ -7,7 +7,7 @@
 //! A file ([`gearmesh::sealed`]) holds label, key and body. One that is cut, altered or of another version is recomputed and
 //! replaced, with a note; it never gives a result. When a new model does not fit, the least recently used ones go.
 
-use super::FiniteElementError;
+use super::error::FiniteElementError;
 use super::model::Model;
 use crate::storage::write_whole;
 use gearmesh::sealed;

@@ -15,8 +15,8 @@
 //!
 //! No factor is kept: no backward solution is needed.
 
-use super::FiniteElementError;
 use super::dense::eliminate;
+use super::error::FiniteElementError;
 use super::mesh::{LoadColumn, Mesh};
 use nalgebra::DMatrix;
 use std::ops::Range;

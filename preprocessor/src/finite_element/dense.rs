@@ -4,7 +4,7 @@
 //! is products of real matrices, for which `nalgebra` has fast kernels. Large products are divided between threads, which
 //! does not change a digit.
 
-use super::FiniteElementError;
+use super::error::FiniteElementError;
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 /// Unknowns that are eliminated one by one: fewer make the products too thin, more take longer themselves.

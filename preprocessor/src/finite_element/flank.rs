@@ -170,14 +170,6 @@ fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
         .collect()
 }
 
-/// Half-width of the kernel over that of the widest contact: the kernel's reference length, 0.29 of its
-/// half-width, then exceeds that of the contact, and the local contact adds to the bulk.
-pub(super) const KERNEL_OVER_HERTZ: f64 = 4.0;
-
-/// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
-/// by more than 0.2 % (docs/theory/compliance.md).
-pub(super) const WIDEST_KERNEL: f64 = 0.35;
-
 /// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
 const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 

@@ -21,8 +21,8 @@ mod cache;
 mod condensation;
 mod dense;
 mod element;
+mod error;
 mod flank;
-mod influence;
 mod mesh;
 mod model;
 mod ring;
@@ -31,85 +31,21 @@ mod section;
 mod settings;
 
 pub use cache::{CachedModel, ModelCache, Origin};
-pub use model::{centre_line_compliance, sector_unknowns};
+pub use error::FiniteElementError;
+pub use model::{Progress, Stage, centre_line_compliance, sector_unknowns};
 pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};
 
+use cache::Stored;
 use flank::{FlankGrid, Weights};
 use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
-use gearmesh::gear::{Flank, Gear, PairGeometry, ProfileError};
-use influence::Influence;
+use gearmesh::gear::{Flank, Gear, PairGeometry};
 use model::Model;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// What a computation is busy with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// Mesh and stiffness matrix of one sector.
-    Assembly,
-    /// Sparse Cholesky factor and elimination of the inside of the sector.
-    Condensation,
-    /// Harmonics of the whole ring.
-    Ring,
-}
-
-/// Progress of a computation: called with the stage and the share of it that is done; returns false to
-/// stop with [`FiniteElementError::Cancelled`].
-pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
-
 /// Progress of both gears: the number of the gear (0 or 1) in front of what [`Progress`] is called with.
 type PairProgress<'a> = dyn Fn(usize, Stage, f64) -> bool + Sync + 'a;
-
-/// Why a finite-element compliance could not be computed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FiniteElementError {
-    /// The gear has no usable tooth.
-    #[error("the tooth cannot be generated: {0}")]
-    Profile(#[from] ProfileError),
-    /// Too little material below the root circle, or rim, web and hub that do not join: what, and what would be right.
-    #[error("{0}")]
-    Body(String),
-    /// Plane strain of a gear whose body is not the same along the face.
-    #[error(
-        "plane strain knows no web: leave out `--plane-strain`, or take rim_thickness_mm and web_thickness_mm \
-         out of the pair file"
-    )]
-    PlaneBody,
-    /// An element is folded: smallest ratio of the Jacobian inside an element to its largest value.
-    #[error(
-        "the mesh of this tooth has a folded element (quality {0:.3}); choose another refinement, or \
-         a larger tip thickness, tool tip radius or rim"
-    )]
-    FoldedElement(f64),
-    /// The stiffness matrix could not be factored.
-    #[error(
-        "the stiffness matrix is not positive definite; check youngs_modulus_gpa (> 0) and poisson_ratio \
-         (above -1, below 0.5)"
-    )]
-    NotPositiveDefinite,
-    /// A load line that crosses the tooth's centre line outside of the gear, at this radius, mm.
-    #[error(
-        "the load line crosses the centre line of the tooth at the radius {0:.3} mm, where there is no \
-         material; choose a load nearer to the tip"
-    )]
-    NoCrossing(f64),
-    /// The model takes more memory than the system has left.
-    #[error(
-        "the finite-element model takes {needed_gb:.1} GB of memory, and {available_gb:.1} GB are available; choose a coarser \
-         refinement"
-    )]
-    Memory {
-        /// What it takes, GB.
-        needed_gb: f64,
-        /// What there is, GB.
-        available_gb: f64,
-    },
-    /// The caller asked to stop.
-    #[error("the computation was cancelled")]
-    Cancelled,
-}
 
 /// Finite-element model of one gear, reduced to its loaded flank.
 #[derive(Debug, Clone)]
@@ -248,6 +184,129 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 }
 
+/// The unit is the largest entry over this. The largest one, a node in a corner of the flank under a load of its
+/// own, is some hundred times the usual ones: these are kept to 1e-7, and segments average over many nodes.
+const LARGEST_ENTRY: f64 = (1_u32 << 30) as f64;
+
+/// Influence matrices in whole numbers of a small unit: half the memory of `f64`, a third to a sixth of it in files.
+///
+/// Neighbouring nodes move nearly alike, so that what is left of an entry after its neighbours in row and column
+/// (`c_ij - c_i-1,j - c_i,j-1 + c_i-1,j-1`) mostly fits into one byte. A model is the same numbers whether it was
+/// computed or read.
+///
+/// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
+#[derive(Debug, Clone, PartialEq)]
+struct Influence {
+    /// Of the entries, m/N.
+    unit: f64,
+    nodes: usize,
+    entries: Vec<i32>,
+}
+
+impl Influence {
+    fn new(matrices: &[DMatrix<f64>]) -> Influence {
+        let entries = || matrices.iter().flat_map(|m| m.as_slice());
+        let largest = entries().fold(0.0f64, |m, v| m.max(v.abs()));
+        let unit = if largest > 0.0 {
+            largest / LARGEST_ENTRY
+        } else {
+            1.0
+        };
+        Influence {
+            unit,
+            nodes: matrices.first().map_or(0, DMatrix::nrows),
+            entries: entries().map(|v| (v / unit).round() as i32).collect(),
+        }
+    }
+
+    fn teeth(&self) -> usize {
+        self.entries.len() / (self.nodes * self.nodes).max(1)
+    }
+
+    /// Displacements of the nodes of tooth `k` by a load on `node` of tooth 0, in units.
+    fn column(&self, k: usize, node: usize) -> &[i32] {
+        let start = (k * self.nodes + node) * self.nodes;
+        &self.entries[start..start + self.nodes]
+    }
+}
+
+impl Stored for Influence {
+    fn encode(&self) -> Vec<u8> {
+        let mut out = self.unit.to_le_bytes().to_vec();
+        out.extend((self.nodes as u64).to_le_bytes());
+        let nothing = vec![0; self.nodes];
+        for matrix in self.entries.chunks((self.nodes * self.nodes).max(1)) {
+            let mut left = &nothing[..];
+            for column in matrix.chunks(self.nodes) {
+                let mut above = 0;
+                for (entry, left) in column.iter().zip(left) {
+                    let here = i64::from(*entry) - i64::from(*left);
+                    put(here - above, &mut out);
+                    above = here;
+                }
+                left = column;
+            }
+        }
+        out
+    }
+
+    fn decode(mut bytes: &[u8]) -> Option<Influence> {
+        let unit = f64::from_bits(word(&mut bytes)?);
+        let nodes = usize::try_from(word(&mut bytes)?).ok()?;
+        // Every entry takes a byte at least.
+        let size = nodes.checked_mul(nodes)?;
+        if size == 0 || size > bytes.len() {
+            return None;
+        }
+        let mut entries: Vec<i32> = Vec::new();
+        while !bytes.is_empty() {
+            let is_first = entries.len().is_multiple_of(size);
+            let mut here = 0;
+            for row in entries.len()..entries.len() + nodes {
+                here += take(&mut bytes)?;
+                let left = if is_first { 0 } else { entries[row - nodes] };
+                entries.push(i32::try_from(here + i64::from(left)).ok()?);
+            }
+        }
+        entries.len().is_multiple_of(size).then_some(Influence {
+            unit,
+            nodes,
+            entries,
+        })
+    }
+}
+
+fn word(bytes: &mut &[u8]) -> Option<u64> {
+    let (head, tail) = bytes.split_first_chunk()?;
+    *bytes = tail;
+    Some(u64::from_le_bytes(*head))
+}
+
+/// Signed LEB128 with the sign in the lowest bit: seven bits a byte, the lowest first, the highest bit set where
+/// more follow.
+fn put(value: i64, out: &mut Vec<u8>) {
+    let mut rest = ((value << 1) ^ (value >> 63)) as u64;
+    while rest >= 0x80 {
+        out.push(rest as u8 | 0x80);
+        rest >>= 7;
+    }
+    out.push(rest as u8);
+}
+
+fn take(bytes: &mut &[u8]) -> Option<i64> {
+    let mut value = 0;
+    // Differences of 32-bit numbers need 34 bits and the sign.
+    for shift in (0..35).step_by(7) {
+        let (byte, tail) = bytes.split_first()?;
+        *bytes = tail;
+        value |= u64::from(byte & 0x7f) << shift;
+        if byte & 0x80 == 0 {
+            return Some((value >> 1) as i64 ^ -((value & 1) as i64));
+        }
+    }
+    None
+}
+
 /// Models of gear 1 and gear 2; the same one twice when the gears are equal but for hand and axial
 /// position.
 #[derive(Debug, Clone)]
@@ -353,5 +412,7 @@ mod body_tests;
 mod closure_tests;
 #[cfg(test)]
 mod contact_tests;
+#[cfg(test)]
+mod influence_tests;
 #[cfg(test)]
 mod tests;

@@ -2,15 +2,31 @@
 
 use super::condensation::condense;
 use super::element::{QUAD8, place_and_tangents, shape};
+use super::error::FiniteElementError;
 use super::flank::FlankGrid;
 use super::mesh::{Layers, LoadColumn, Mesh, twist};
 use super::section::{Outline, Section};
-use super::{FiniteElementError, Progress, Settings, Stage, ring};
+use super::{Settings, ring};
 use gearmesh::compliance::Segment;
-use gearmesh::gear::{Gear, LEAST_WALL, ToothProfile};
+use gearmesh::gear::{Gear, ToothProfile};
 use gearmesh::words::rounded;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use std::ops::RangeInclusive;
+
+/// What a computation is busy with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Mesh and stiffness matrix of one sector.
+    Assembly,
+    /// Sparse Cholesky factor and elimination of the inside of the sector.
+    Condensation,
+    /// Harmonics of the whole ring.
+    Ring,
+}
+
+/// Progress of a computation: called with the stage and the share of it that is done; returns false to
+/// stop with [`FiniteElementError::Cancelled`].
+pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
 
 pub(super) struct Model {
     pub gear: Gear,
@@ -27,37 +43,8 @@ impl Model {
     pub fn new(gear: &Gear, settings: &Settings) -> Result<Model, FiniteElementError> {
         let outline = Outline::new(&ToothProfile::new(gear)?);
         let m = gear.normal_module;
-        let (held, root, least) = (gear.held_radius, gear.root_radius(), LEAST_WALL * m);
-        let [held_mm, root_mm, least_mm] = [held, root, least].map(|length| 1e3 * length);
-        let rim = gear.kappa() * (root - held);
-        if rim.is_nan() || rim < least {
-            return Err(FiniteElementError::Body(format!(
-                "the held surface (bore_diameter_mm or rim_diameter_mm) at the radius {held_mm:.3} mm leaves less \
-                 than {least_mm:.3} mm of rim to the root circle at {root_mm:.3} mm; change that diameter"
-            )));
-        }
-        if let Some(body) = gear.body {
-            let ([w0, w1], [h0, h1]) = (body.web, body.hub);
-            let parts = match body.is_shaft() {
-                true => body.hub_radius <= body.rim_radius && w0 <= 0.0 && gear.face_width <= w1,
-                false => body.hub_radius < body.rim_radius && 0.0 <= w0 && w1 <= gear.face_width,
-            };
-            let joins = parts
-                && held <= body.hub_radius
-                && body.rim_radius < root - least
-                && w0 < w1
-                && (h0 <= w0 && w1 <= h1 && (h1 - h0).is_finite());
-            if !joins {
-                let [rim_mm, hub_mm] = [body.rim_radius, body.hub_radius].map(|r| 1e3 * r);
-                return Err(FiniteElementError::Body(format!(
-                    "rim, web and hub do not join: the inside of the rim at the radius {rim_mm:.3} mm, the hub at \
-                     {hub_mm:.3} mm, the held surface at {held_mm:.3} mm; give radii that fall in this order from \
-                     the root circle at {root_mm:.3} mm, a web within the face and a hub that encloses it"
-                )));
-            }
-            if settings.plane_strain {
-                return Err(FiniteElementError::PlaneBody);
-            }
+        if settings.plane_strain && gear.body.is_some() {
+            return Err(FiniteElementError::PlaneBody);
         }
         let sizes = settings.discretization;
         let section = Section::new(gear, &outline, &sizes);

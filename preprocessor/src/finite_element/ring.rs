@@ -24,9 +24,9 @@
 //! is odd about phi = pi, where M mirrors into its conjugate; polynomials in u give those between. The places are the
 //! fewest that do so for every influence e^{-a |k|}, M = sinh a / (cosh a - cos phi), to [`TOLERANCE`].
 
-use super::FiniteElementError;
 use super::condensation::CondensedSector;
 use super::dense::{eliminate, product};
+use super::error::FiniteElementError;
 use gearmesh::random::Random;
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -1,6 +1,5 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width; and lengths divided by sizes of the mesh.
 
-use super::flank::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
 use gearmesh::contact::widest_contact;
 use gearmesh::pair::{Pair, Refinement};
 
@@ -63,6 +62,14 @@ impl Discretization {
         }
     }
 }
+
+/// Half-width of the kernel over that of the widest contact: the kernel's reference length, 0.29 of its
+/// half-width, then exceeds that of the contact, and the local contact adds to the bulk.
+const KERNEL_OVER_HERTZ: f64 = 4.0;
+
+/// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
+/// by more than 0.2 % (docs/theory/compliance.md).
+const WIDEST_KERNEL: f64 = 0.35;
 
 /// Half-width of a wide kernel over the elements along the involute: at 1.75 the transmission error of a wide pair changes by 1e-4.
 const KERNEL_OVER_INVOLUTE_ELEMENT: f64 = 1.75;

@@ -5,8 +5,7 @@ use super::checks::{
 };
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
 use gearmesh::gear::{
-    Body, Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, Stub, ToothProfile,
-    inverse_involute,
+    Body, Gear, GearKind, PairGeometry, ProfileError, Stub, ToothProfile, inverse_involute,
 };
 use gearmesh::words::rounded;
 
@@ -73,6 +72,9 @@ pub(super) fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, Stri
     (in_gear(i, name), value)
 }
 
+/// Least wall between the root circle and the surface that is held, normal modules: with less the elastic model has no
+/// room for its elements.
+const LEAST_WALL: f64 = 0.25;
 /// Smallest bore over the root diameter. About a bore held rigidly the body turns the farther the smaller it is, here
 /// thousands of times as far as teeth bend; of less rounding leaves nothing.
 const LEAST_BORE: f64 = 1e-3;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::friction::FrictionLaw;
-use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::gear::{BothFlanks, Microgeometry, PairGeometry, PairMicrogeometry, PairTeeth};
 
 /// Fineness of the finite-element model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
@@ -63,12 +63,11 @@ impl Pair {
             g.face_offset + 0.5 * g.face_width
         };
         // Faces are given to a micrometre at best.
-        (middle(0) - middle(1)).abs() < 1e-9
-            && self
-                .geometry
-                .gears
-                .iter()
-                .all(|gear| gear.turned().is_none())
-            && self.microgeometry.coast_mirrors_drive()
+        let shares_middle = (middle(0) - middle(1)).abs() < 1e-9;
+        let BothFlanks { drive, coast } = &self.microgeometry;
+        shares_middle
+            && (self.geometry.gears.iter()).all(|gear| gear.turned().is_none())
+            && drive == coast
+            && drive.iter().all(Microgeometry::is_symmetric)
     }
 }

@@ -77,11 +77,13 @@ fn check(case: &Value, refinement: Refinement, bound: f64) {
         plane_strain,
         ..Settings::new(refinement, 1)
     };
-    let model = RootStress::new(&gear, &settings.for_root_stress(), &|_, _| true).unwrap();
+    let model = RootStress::new(&gear, &settings.for_root_stress(), None, &|_, _| true);
+    let (model, _) = model.unwrap();
     for load in case["loads"].as_array().unwrap() {
-        let field = model
-            .of_tooth(0, &segments(&gear, load, plane_strain))
-            .unwrap();
+        let (segments, forces): (Vec<_>, Vec<_>) =
+            segments(&gear, load, plane_strain).into_iter().unzip();
+        let segments = model.spread(&segments);
+        let field = model.of_tooth(0, &segments, &forces).unwrap();
         let largest = field.largest();
         let mut pairs = vec![
             (
@@ -178,7 +180,8 @@ fn the_nominal_stress_of_iso_6336_is_within_an_eighth_of_finite_elements() {
                 plane_strain: true,
                 ..Settings::new(Refinement::Normal, 1)
             };
-            let model = RootStress::new(gear, &settings.for_root_stress(), &|_, _| true).unwrap();
+            let model = RootStress::new(gear, &settings.for_root_stress(), None, &|_, _| true);
+            let (model, _) = model.unwrap();
             let segment = Segment {
                 tooth: 0,
                 z: [0.0, gear.face_width],
@@ -186,7 +189,9 @@ fn the_nominal_stress_of_iso_6336_is_within_an_eighth_of_finite_elements() {
             };
             // Normal force per face width.
             let force = torque / pair.gears[0].base_radius() / gear.face_width;
-            let field = model.of_tooth(0, &[(segment, force)]).unwrap();
+            let field = model
+                .of_tooth(0, &model.spread(&[segment]), &[force])
+                .unwrap();
             let found = [field.largest(), field.at_tangent().unwrap()];
             let [largest, tangent] = found.map(|point| point.stress / nominal.stress);
             println!(

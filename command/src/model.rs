@@ -217,7 +217,7 @@ fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> 
         };
         eprintln!("gearmesh: note: finite-element model {what}");
     }
-    let folder = cache.map_or(String::new(), |c| c.directory().display().to_string());
+    let folder = cache.map_or(String::new(), |c| c.directory.display().to_string());
     let words = origins.each_ref().map(|origin| match origin {
         Origin::Loaded => format!("read from {folder}"),
         Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
@@ -271,7 +271,7 @@ impl Cache {
     pub fn run(self) -> Result<()> {
         let cache = self.cache.cache();
         let cache = cache.ok_or("no folder for elastic models: name one with --cache-dir")?;
-        let folder = cache.directory().display();
+        let folder = cache.directory.display();
         let failed = |error| format!("{folder}: {error}; name another folder with --cache-dir");
         let models = cache.models().map_err(failed)?;
         let total = megabytes(models.iter().map(|model| model.bytes).sum());
@@ -291,7 +291,7 @@ impl Cache {
             rows.row(gear, format!("{size}, last used {unused} ago"));
         }
         let number = count(models.len(), "elastic model");
-        let limit = megabytes(cache.limit());
+        let limit = megabytes(cache.limit);
         output::print(&format!("{folder}: {number}, {total} of {limit}\n{rows}"))
     }
 }

@@ -77,11 +77,8 @@ impl NominalRootStress {
         let rim_factor = rim_factor(gear)?;
         let force = torque / pair.gears[0].reference_radius();
         let (_, width) = pair.face_overlap();
-        let stress = force / (width * gear.normal_module)
-            * form_factor
-            * correction_factor
-            * helix_factor
-            * rim_factor;
+        let nominal = force / (width * gear.normal_module);
+        let stress = nominal * form_factor * correction_factor * helix_factor * rim_factor;
         Some(NominalRootStress {
             virtual_teeth,
             virtual_contact_ratio,
@@ -183,9 +180,8 @@ fn drawn(gear: &Gear, contact_ratio: f64) -> Option<RootSection> {
     // Radius of curvature from three neighbours.
     let step = 1e-3 * (1.0 - t).min(t).max(1e-3);
     let [a, b] = [t - step, t + step].map(|t| profile.fillet(t));
-    let turned = (a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0])
-        .asin()
-        .abs();
+    let turned = a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0];
+    let turned = turned.asin().abs();
     let chord = (a.position[0] - b.position[0]).hypot(a.position[1] - b.position[1]);
     let pitch = 2.0 * PI * gear.base_radius() / gear.z();
     let roll = gear.tip_form_roll() - gear.kappa() * (contact_ratio - 1.0) * pitch;
@@ -207,18 +203,21 @@ mod tests {
     use crate::samples;
     use approx::assert_relative_eq;
 
-    fn pair(teeth: [u32; 2], shift: [f64; 2], helix_deg: f64) -> PairGeometry {
-        let gear = |i: usize| {
-            let hand = if i == 0 { 1.0 } else { -1.0 };
-            samples::gear(GearKind::External, teeth[i], hand, helix_deg, shift[i])
-        };
-        let gears = [gear(0), gear(1)];
-        let center_distance = gears.iter().map(|g| g.reference_radius()).sum::<f64>()
-            + shift.iter().sum::<f64>() * gears[0].normal_module;
+    /// At the centre distance of the reference circles and the sum of the profile shifts.
+    fn pair_of(gears: [Gear; 2]) -> PairGeometry {
+        let [first, second] = &gears;
+        let reference = first.reference_radius() + second.kappa() * second.reference_radius();
+        let shift = first.profile_shift + second.profile_shift;
         PairGeometry {
+            center_distance: reference.abs() + shift * first.normal_module,
             gears,
-            center_distance,
         }
+    }
+
+    fn pair(teeth: [u32; 2], shift: [f64; 2], helix_deg: f64) -> PairGeometry {
+        let hand = [1.0, -1.0];
+        let gear = |i| samples::gear(GearKind::External, teeth[i], hand[i], helix_deg, shift[i]);
+        pair_of([0, 1].map(gear))
     }
 
     #[test]
@@ -282,15 +281,8 @@ mod tests {
     #[test]
     fn a_ring_has_its_own_fillet_and_that_of_its_virtual_gear() {
         let ring = |helix: f64| {
-            let gears = [
-                samples::gear(GearKind::External, 20, 1.0, helix, 0.0),
-                samples::gear(GearKind::Ring, 60, 1.0, helix, 0.0),
-            ];
-            let center_distance = gears[1].reference_radius() - gears[0].reference_radius();
-            PairGeometry {
-                gears,
-                center_distance,
-            }
+            let gears = [(GearKind::External, 20), (GearKind::Ring, 60)];
+            pair_of(gears.map(|(kind, teeth)| samples::gear(kind, teeth, 1.0, helix, 0.0)))
         };
         let of_ring = NominalRootStress::new(&ring(0.0), 1, 100.0).unwrap();
         assert_relative_eq!(of_ring.section.fillet_radius, 0.38, max_relative = 1e-4);

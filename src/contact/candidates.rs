@@ -11,8 +11,7 @@ use crate::gear::{Flank, Microgeometry};
 /// A segment of one contact line that may carry load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face
-    /// at mesh position 0.
+    /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face at mesh position 0.
     pub tooth_pair: i32,
     /// Station along the face, from the lower end of the overlap of both faces.
     pub station: usize,
@@ -20,17 +19,14 @@ pub struct Candidate {
     pub z: [f64; 2],
     /// Length of roll on gear 1 and gear 2 at the middle, where the flanks come closest, m.
     pub roll: [f64; 2],
-    /// Gaps along the line of action before load and misalignment at the points of the segment, ascending in z,
-    /// m: microgeometry of both flanks and the separation off the path of contact; as local contact sees them, see
-    /// [`super::ContactSettings::own_share`].
+    /// Gaps along the line of action before load and misalignment at the points of the segment, ascending in z, m: modifications
+    /// and the separation off the path of contact; as local contact sees them, see [`super::ContactSettings::own_share`].
     pub gap: [f64; POINTS],
-    /// What a misalignment closes of [`Candidate::gap`] over its size, at the points as local contact sees
-    /// them, m, ascending; by the same levers the forces act on it.
+    /// What a misalignment closes of [`Candidate::gap`] over its size, m; by the same levers the forces act on it.
     pub levers: [f64; POINTS],
     /// The gap about the closest point of the middle.
     pub(super) profile: GapProfile,
-    /// Arms of the force about the axes of gear 1 and gear 2, in the transverse plane over their base radii; at
-    /// the middle.
+    /// Arms of the force at the middle about the axes of gear 1 and gear 2, in the transverse plane over their base radii.
     pub arms: [f64; 2],
 }
 
@@ -67,11 +63,9 @@ fn points(z: [f64; 2]) -> [f64; POINTS] {
 /// The contact lines of one flank at one position of the mesh.
 #[derive(Clone)]
 pub struct ContactLines<'a> {
-    /// The pair and its discretisation.
     pub setup: &'a ContactSetup,
     /// Deviation from the nominal centre distance, m.
     pub center_distance_offset: f64,
-    /// Transverse section at this centre distance.
     pub section: TransverseSection,
     /// Loaded flank of gear 1.
     pub flank: Flank,

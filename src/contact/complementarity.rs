@@ -29,11 +29,11 @@ pub struct Problem<'a> {
     pub local: &'a [LocalContact],
     /// Gaps along the normal at the points of each segment, m, misalignment included.
     pub gap: &'a [[f64; POINTS]],
-    /// Arm of the normal force on each segment about the axis of gear 1, over its base radius; by virtual work
-    /// also what the flanks close along their normal per approach.
+    /// Arm of the normal force on each segment about the axis of gear 1, over its base radius; by virtual work also what the
+    /// flanks close along their normal per approach.
     pub arm: &'a DVector<f64>,
     pub target: Target,
-    /// Stiffness of the elastic foundation that gives forces where there are none to start from, N/m per m of contact line.
+    /// Stiffness of the elastic foundation that gives the forces to start from, N/m per m of contact line.
     pub foundation: f64,
 }
 
@@ -53,7 +53,6 @@ pub struct Start<'a> {
     pub approach: f64,
 }
 
-/// Forces and approach, and the factor at the last iterate.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Normal force on each segment, N.
@@ -80,7 +79,6 @@ type Factor = Cholesky<f64, Dyn>;
 pub const MAXIMUM_ITERATIONS: usize = 200;
 /// Relative residual at which the iteration ends.
 const TOLERANCE: f64 = 1e-12;
-
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
@@ -101,9 +99,6 @@ struct Step {
 
 impl Problem<'_> {
     /// Solves from `start`, or from an elastic foundation where there is none.
-    ///
-    /// # Errors
-    /// [`Failure::NotPositiveDefinite`], [`Failure::NotConverged`].
     pub fn solve(&self, start: Option<Start<'_>>) -> Result<Solution, Failure> {
         let mut at = self.start(start);
         let mut residual = self.residual(&at);
@@ -143,7 +138,7 @@ impl Problem<'_> {
     }
 
     /// Largest difference between the force of a segment and what its law gives over the largest force, beyond the rounding of the
-    /// closing; zero where nothing carries or closes.
+    /// closing.
     fn residual(&self, at: &Iterate) -> f64 {
         let (mut largest, mut error) = (0.0f64, 0.0f64);
         for (i, loads) in at.loads.iter().enumerate() {
@@ -195,9 +190,8 @@ impl Problem<'_> {
     fn with_displacement(&self, y: DVector<f64>, ay: DVector<f64>, delta: f64) -> Iterate {
         let x = self.arm * delta - &ay;
         let points = x.iter().zip(self.local).zip(self.gap);
-        let loads = points
-            .map(|((x, law), gap)| law.loads(gap.map(|gap| x - gap)))
-            .collect();
+        let loads = points.map(|((x, law), gap)| law.loads(gap.map(|gap| x - gap)));
+        let loads = loads.collect();
         Iterate {
             y,
             ay,
@@ -292,19 +286,21 @@ impl Problem<'_> {
     /// The largest pressure under `loads` that no flank carries.
     fn overload(&self, loads: &[PointLoads]) -> Option<Failure> {
         let pressures = loads.iter().zip(self.local).filter_map(|(loads, local)| {
-            let largest = loads.forces.iter().copied().fold(0.0, f64::max);
+            let largest = loads.forces.into_iter().fold(0.0, f64::max);
             local.overload(largest / local.length())
         });
-        let largest = pressures.reduce(f64::max);
-        largest.map(|pressure| Failure::Overload { pressure })
+        let pressure = pressures.reduce(f64::max)?;
+        Some(Failure::Overload { pressure })
     }
 
     /// Cleans the forces up and judges them by the original conditions.
     fn finish(&self, mut at: Iterate, iterations: usize) -> Result<Solution, Failure> {
-        let mut force = DVector::from_fn(at.y.len(), |i, _| match at.loads[i].force() > 0.0 {
-            true => at.y[i].max(0.0),
-            false => 0.0,
-        });
+        let presses = |i: usize| at.loads[i].force() > 0.0;
+        let mut force =
+            DVector::from_fn(
+                at.y.len(),
+                |i, _| if presses(i) { at.y[i].max(0.0) } else { 0.0 },
+            );
         if let Target::Force(wanted) = self.target {
             // Clipping can take off the last digits.
             force *= wanted / self.arm.dot(&force);
@@ -313,10 +309,9 @@ impl Problem<'_> {
             at = self.iterate(force, at.delta);
         }
         let largest = at.y.max();
-        let errors = at.y.iter().zip(&at.loads);
-        let mut kkt_residual = errors
-            .map(|(force, loads)| (force - loads.force()).abs() / largest)
-            .fold(0.0, f64::max);
+        let forces = at.y.iter().zip(&at.loads);
+        let errors = forces.map(|(force, loads)| (force - loads.force()).abs() / largest);
+        let mut kkt_residual = errors.fold(0.0, f64::max);
         if let Target::Force(wanted) = self.target {
             kkt_residual = kkt_residual.max((self.arm.dot(&at.y) / wanted - 1.0).abs());
         }
@@ -338,8 +333,7 @@ impl Problem<'_> {
 
 impl Iterate {
     fn active(&self) -> Vec<usize> {
-        (0..self.loads.len())
-            .filter(|&i| self.loads[i].slope() > 0.0)
-            .collect()
+        let touches = |i: &usize| self.loads[*i].slope() > 0.0;
+        (0..self.loads.len()).filter(touches).collect()
     }
 }

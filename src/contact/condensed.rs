@@ -84,9 +84,7 @@ impl CondensedFlank {
             offsets: offsets.to_vec(),
             stations,
             first_pair,
-            pairs: pairs()
-                .max()
-                .map_or(0, |last| (last - first_pair + 1) as usize),
+            pairs: pairs().max().map_or(0, |k| (k - first_pair + 1) as usize),
             shares,
             roots: None,
             values: vec![],
@@ -145,7 +143,7 @@ impl CondensedFlank {
         }
     }
 
-    /// Influence of `segments`, ascending, of `lines`, whose mesh position is in [0, 1); beyond the offsets of the nodes that of the
+    /// Influence of `segments`, ascending, of `lines`, at a mesh position in [0, 1); beyond the offsets of the nodes that of the
     /// outermost one. A tooth pair gives way to its own load as its weak teeth do.
     pub(super) fn influence(&self, segments: &[&Candidate], lines: &ContactLines<'_>) -> Influence {
         let [along, _] = self.along(lines.tau);
@@ -165,7 +163,7 @@ impl CondensedFlank {
         weights.map(|(along, across)| self.weighted(segments, lines, along, across))
     }
 
-    /// Sum of the nodes about those of `lines`: four mesh positions with the weights `along` by up to three centre distances with `across`.
+    /// Sum of the nodes about `lines`: four mesh positions with the weights `along` by up to three centre distances with `across`.
     fn weighted(
         &self,
         segments: &[&Candidate],
@@ -183,9 +181,8 @@ impl CondensedFlank {
             let node = number.rem_euclid(positions) as usize;
             let rows = segments.iter().map(|s| self.row(s, turns)).enumerate();
             let held: Vec<(usize, usize)> = rows.filter_map(|(i, row)| Some((i, row?))).collect();
-            let runs: Vec<_> = held
-                .chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1))
-                .collect();
+            let runs = held.chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1));
+            let runs: Vec<_> = runs.collect();
             for (k, across) in across.into_iter().enumerate() {
                 let weight = along * across;
                 if weight == 0.0 {
@@ -330,10 +327,8 @@ impl ContactFile {
     pub fn from_bytes(bytes: &[u8]) -> Result<ContactFile, String> {
         let bytes = sealed::open(MAGIC, bytes)?;
         let (length, rest) = bytes.split_first_chunk::<8>().ok_or("it has no head")?;
-        let (head, values) = usize::try_from(u64::from_le_bytes(*length))
-            .ok()
-            .and_then(|length| rest.split_at_checked(length))
-            .ok_or("the head is longer than the file")?;
+        let parts = rest.split_at_checked(u64::from_le_bytes(*length) as usize);
+        let (head, values) = parts.ok_or("the head is longer than the file")?;
         let head: Head<ContactSetup, CondensedFlank> =
             serde_json::from_slice(head).map_err(|e| crate::words::json_problem(&e))?;
         head.setup.check()?;
@@ -350,10 +345,9 @@ impl ContactFile {
             let mut fill = |values: &mut Vec<f32>, count: usize| {
                 let next = rest.by_ref().take(count);
                 values.extend(next.map(|v| f32::from_le_bytes([v[0], v[1], v[2], v[3]])));
-                match values.len() == count && values.iter().all(|v| v.is_finite()) {
-                    true => Ok(()),
-                    false => Err(format!("{count} finite values of a flank are not there")),
-                }
+                let are_there = values.len() == count && values.iter().all(|v| v.is_finite());
+                let missing = || format!("{count} finite values of a flank are not there");
+                are_there.then_some(()).ok_or_else(missing)
             };
             fill(&mut flank.values, count)?;
             for roots in flank.roots.iter_mut().flatten() {

@@ -67,16 +67,14 @@ impl PositionProblem {
                     };
                     positions.iter().map(at).collect()
                 };
-                LawsAlong {
-                    edge: match law.has_edge() {
-                        true => laws(&positions_near_edge(lines, segment)),
-                        false => vec![],
-                    },
-                    relief: match law.has_relief() {
-                        true => laws(&AT_RELIEF),
-                        false => vec![],
-                    },
+                let mut along = LawsAlong::default();
+                if law.has_edge() {
+                    along.edge = laws(&positions_near_edge(lines, segment));
                 }
+                if law.has_relief() {
+                    along.relief = laws(&AT_RELIEF);
+                }
+                along
             });
         self.along = along.collect();
     }
@@ -89,9 +87,8 @@ impl PositionProblem {
         gap: &[[f64; POINTS]],
     ) -> Vec<Option<EdgeLoad>> {
         let mut all = vec![None; self.candidates.len()];
-        let samples: Vec<Sample<'_>> = (0..all.len())
-            .flat_map(|i| self.samples(i, solution, &gap[i]))
-            .collect();
+        let samples = (0..all.len()).flat_map(|i| self.samples(i, solution, &gap[i]));
+        let samples: Vec<Sample<'_>> = samples.collect();
         for (number, sample) in samples.iter().enumerate() {
             let i = sample.segment;
             if solution.force[i] <= 0.0 || !sample.reaches_edge() {
@@ -173,9 +170,14 @@ impl PositionProblem {
 
     /// Largest pressure (Pa) inside the flanks of each segment under `loads`; `edges` are the loads at their tip edges.
     pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
-        let inside: Vec<_> = (0..loads.len())
-            .map(|i| self.load_inside(i, &loads[i]))
-            .collect();
+        // Mean line load (N/m) of the loaded points inside the flanks by the law of the middle: what the line bears.
+        let inside = loads.iter().zip(&self.local).map(|(loads, law)| {
+            let is_inside = |f: &&f64| **f != 0.0 && **f / law.length() <= law.load_at_edge();
+            let inside = || loads.forces.iter().filter(is_inside);
+            let points = inside().count();
+            (points > 0).then(|| inside().sum::<f64>() / points as f64 / law.length())
+        });
+        let inside: Vec<_> = inside.collect();
         let largest = |i: usize| {
             let law = &self.local[i];
             let Some(line_load) = inside[i] else {
@@ -186,11 +188,7 @@ impl PositionProblem {
                 };
             };
             let middle = law.pressure(line_load).unwrap_or(0.0);
-            let reliefs = self
-                .along
-                .get(i)
-                .into_iter()
-                .flat_map(|along| &along.relief);
+            let reliefs = (self.along.get(i).into_iter()).flat_map(|along| &along.relief);
             let pressures = reliefs.filter_map(|at| {
                 (at.law).pressure_at_relief(self.line_load(&inside, i, at.position))
             });
@@ -199,17 +197,7 @@ impl PositionProblem {
         (0..loads.len()).map(largest).collect()
     }
 
-    /// Mean line load (N/m) of the loaded points of segment `i` inside the flanks by the law of its middle: what the line bears.
-    fn load_inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
-        let law = &self.local[i];
-        let is_inside = |f: &&f64| **f != 0.0 && **f / law.length() <= law.load_at_edge();
-        let inside = || loads.forces.iter().filter(is_inside);
-        let points = inside().count();
-        (points > 0).then(|| inside().sum::<f64>() / points as f64 / law.length())
-    }
-
-    /// Line load (N/m) at `position` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks;
-    /// `inside` as [`PositionProblem::load_inside`].
+    /// Line load (N/m) at `position` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks.
     fn line_load(&self, inside: &[Option<f64>], i: usize, position: f64) -> f64 {
         let here = inside[i].unwrap_or(0.0);
         let segment = &self.candidates[i];

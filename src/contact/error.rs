@@ -58,8 +58,7 @@ pub enum Failure {
         /// Largest pressure, Pa.
         pressure: f64,
     },
-    /// The teeth approach farther than the candidates for contact reach, so that some contact would
-    /// be missed.
+    /// The teeth approach farther than tip edges were followed, so that some contact would be missed.
     #[error(
         "the teeth approach by {:.1} um, but tip edges were followed for {:.1} um only; \
          lower torque or misalignment, or state the larger one as operating.maximum_torque_nm or \
@@ -144,8 +143,6 @@ impl ContactError {
 
 /// Refuses `value` unless it is finite.
 pub(super) fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
-    match value.is_finite() {
-        true => Ok(()),
-        false => Err(ContactError::input(field, value, "give a finite number")),
-    }
+    let refused = || ContactError::input(field, value, "give a finite number");
+    value.is_finite().then_some(()).ok_or_else(refused)
 }

@@ -81,16 +81,10 @@ impl GapProfile {
         self.reliefs[number] = other;
     }
 
-    /// Slopes of the gap before and behind the closest point.
-    pub fn slopes_at_closest(&self) -> [f64; 2] {
-        let jump = |side: f64| {
-            let here = self
-                .reliefs
-                .iter()
-                .filter(|b| b.at == 0.0 && b.side == side);
-            here.map(|b| b.slope).sum::<f64>()
-        };
-        [self.slope - jump(-1.0), self.slope + jump(1.0)]
+    /// What the gap falls more steeply before the closest point (side -1) or rises behind it (1), by reliefs that start there.
+    pub fn kink(&self, side: f64) -> f64 {
+        let here = (self.reliefs.iter()).filter(|b| b.at == 0.0 && b.side == side);
+        here.map(|b| b.slope).sum()
     }
 
     /// Distance from the closest point to the nearest tip edge, m.

@@ -33,12 +33,11 @@ const SMOOTHING_OVER_REFERENCE: f64 = 3.0;
 /// over: the law of a line contact does not hold for lines shorter than their contact is wide.
 const SHARE_OF_A_LINE: f64 = 0.5;
 
-/// How far the bulk matrix may be from positive definite, over c / l: the law of local contact adds at least ln(4/3) of
-/// c / l to it, and rounding makes the matrix of segments much shorter than the elements indefinite by itself.
+/// How far the bulk matrix may be from positive definite, over c / l, of which local contact adds ln(4/3) at least: rounding makes
+/// the matrix of segments much shorter than the elements indefinite.
 const INDEFINITE: f64 = 2e-5;
 
-/// Halvings in the search for the share that the bulk matrix can give: the rest of 1e-6 is below the tolerance of
-/// the contact solve.
+/// Halvings in the search for the share that the bulk matrix can give: to 1e-6.
 const BISECTIONS: usize = 20;
 
 /// Influence of segments on each other and what completes it.
@@ -62,7 +61,6 @@ struct Piece {
 }
 
 impl Influence {
-    /// Of `candidates` on `lines`, as the gears see them in `seen`, by the elastic models `compliance`.
     pub fn new(
         lines: &ContactLines<'_>,
         compliance: [&dyn ToothCompliance; 2],
@@ -75,9 +73,9 @@ impl Influence {
         let mut lengths = [Vec::new(), Vec::new()];
         for (i, model) in compliance.iter().enumerate() {
             let segments: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
-            // The models know forces along the normal of their own flank. Where a tip edge bears, the force acts along that of
-            // its mate. What turns the body and bends the tooth is its component along the circumference, by the arm that of
-            // the force along the own normal; measured: within a tenth of what the direction does to the transmission error.
+            // The models know forces along the normal of their own flank; at a tip edge they act along that of its mate. What
+            // turns the body and bends the tooth is the component along the circumference, by the arm that of the force along the
+            // own normal; measured: within a tenth of what the direction does to the transmission error.
             let mut own = model.bulk(&segments)?;
             for (r, c) in candidates.iter().enumerate() {
                 own.row_mut(r).scale_mut(c.arms[i]);
@@ -96,8 +94,8 @@ impl Influence {
         };
         let pieces: Vec<Piece> = candidates.iter().map(piece).collect();
         let layers = compliance.map(|model| model.lengthwise_resolution() / cos_beta_b);
-        let smoothing = (SMOOTHING_OVER_LAYER * layers[0].max(layers[1]))
-            .max(SMOOTHING_OVER_REFERENCE * reference);
+        let thickest = SMOOTHING_OVER_LAYER * layers[0].max(layers[1]);
+        let smoothing = thickest.max(SMOOTHING_OVER_REFERENCE * reference);
         let c = (numbers.bodies).map(|body| 2.0 * body.plane_compliance / std::f64::consts::PI);
         let mut influence = Influence { bulk, lengths };
         influence.divide(c, &pieces, reference, smoothing);
@@ -105,8 +103,8 @@ impl Influence {
     }
 
     /// Moves displacement from the bulk matrix to the local contact, whose reference lengths grow to `reference` (m), or as near to
-    /// it as the bulk matrix can give. Segments of one contact line follow each other in `pieces`. `c` is that of each gear,
-    /// 1/Pa; `smoothing` (m) the distance along the line up to which segments share a mean line load.
+    /// it as the bulk matrix can give. Segments of one line follow each other in `pieces`, and share a mean line load up to the
+    /// distance `smoothing` (m). `c` is that of each gear, 1/Pa.
     fn divide(&mut self, c: [f64; 2], pieces: &[Piece], reference: f64, smoothing: f64) {
         let n = pieces.len();
         let lengths = &self.lengths;

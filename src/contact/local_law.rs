@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 
 use super::gap::GapProfile;
 
-/// Points of a segment, middles of equal parts, at which local contact is evaluated apart: its edge crosses a segment in small steps.
+/// Points of a segment, middles of equal parts, at which local contact is evaluated: its edge crosses a segment in small steps.
 pub const POINTS: usize = 4;
 
 /// Half-width over the reference length from which the law goes on along its tangent: dh/dw vanishes at b = 2 L. The tangent keeps
@@ -101,7 +101,6 @@ pub struct LocalBody {
     pub corner: Corner,
 }
 
-/// Line load at a penetration.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LineLoad {
     /// N/m.
@@ -188,8 +187,7 @@ struct Contact {
 }
 
 impl LocalContact {
-    /// Law of a segment of `length` (m, along the contact line) between two bodies with the reference lengths
-    /// `reference_lengths` (m), whose gap is `profile` in the normal section.
+    /// Law of a segment of `length` (m, along the contact line) between bodies with these reference lengths (m).
     pub fn new(
         bodies: &[LocalBody; 2],
         reference_lengths: [f64; 2],
@@ -203,9 +201,10 @@ impl LocalContact {
         let corner = bodies[profile.edge_gear()].corner;
         let kappa = 2.0 * c / profile.curvature;
         let line = profile.edge_distance();
-        let added = match line > 0.0 {
-            true => corner.compliance(line, line),
-            false => 0.0,
+        let added = if line > 0.0 {
+            corner.compliance(line, line)
+        } else {
+            0.0
         };
         let mut law = LocalContact {
             length,
@@ -374,7 +373,7 @@ impl LocalContact {
         }
     }
 
-    /// Local contact at the penetrations `x` (m) of the points of a segment.
+    /// Local contact at the penetrations `x` (m) of the points.
     pub fn loads(&self, x: [f64; POINTS]) -> PointLoads {
         let each = x.map(|x| self.line_load(x));
         PointLoads {
@@ -387,11 +386,8 @@ impl LocalContact {
     /// Largest pressure, Pa, under the line load `w`, N/m: Hertz's inside one parabola, else that of the half-ellipse of the same
     /// load and the same mean square distance from its middle. None where contact reaches a tip edge, where it has no bound.
     pub fn pressure(&self, w: f64) -> Option<f64> {
-        let inside = w <= self.load_at_edge();
-        inside.then(|| {
-            self.pressure_beyond_hertz(w)
-                .unwrap_or(self.hertz_pressure(w))
-        })
+        let wider = || self.pressure_beyond_hertz(w);
+        (w <= self.load_at_edge()).then(|| wider().unwrap_or(self.hertz_pressure(w)))
     }
 
     /// The same where contact reaches the start of a relief; None elsewhere.

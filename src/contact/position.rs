@@ -15,10 +15,10 @@ use crate::friction::{Sliding, SlidingSums};
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct PositionProblem {
-    pub(super) candidates: Vec<Candidate>,
-    /// The segments as gear 1 and gear 2 see them; not known at run time, nor are the laws along them.
-    pub(super) seen: Vec<[Segment; 2]>,
-    /// How the segments give way to each other's forces.
+    /// The segments that may touch.
+    pub candidates: Vec<Candidate>,
+    /// As gear 1 and gear 2 see them; not known at run time, nor are the laws along them.
+    pub seen: Vec<[Segment; 2]>,
     influence: Influence,
     /// Law of one point of each segment.
     pub(super) local: Vec<LocalContact>,
@@ -28,7 +28,7 @@ pub struct PositionProblem {
     pub(super) arm: DVector<f64>,
     pub(super) numbers: PairNumbers,
     /// Deviation from the nominal centre distance, m.
-    center_distance_offset: f64,
+    pub center_distance_offset: f64,
     /// Approach up to which tip edges were followed, m; None: not at all.
     pub(super) reach: Option<f64>,
     /// Stiffness for starting values, N/m per m of contact line.
@@ -36,6 +36,7 @@ pub struct PositionProblem {
 }
 
 /// Laws along one segment.
+#[derive(Default)]
 pub(super) struct LawsAlong {
     /// Near a tip edge; none where contact does not come to one.
     pub edge: Vec<LawAt>,
@@ -84,8 +85,7 @@ impl EdgeLoad {
 /// One segment in a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SegmentLoad {
-    /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face at mesh
-    /// position 0.
+    /// Tooth pair, as [`Candidate::tooth_pair`].
     pub tooth_pair: i32,
     /// Ends in gear 1's frame, m.
     pub z: [f64; 2],
@@ -95,8 +95,8 @@ pub struct SegmentLoad {
     pub seen: [Segment; 2],
     /// Normal force, N.
     pub force: f64,
-    /// Largest pressure of the part on which contact stays inside the flanks, Pa: Hertz, and at the start of a relief the
-    /// half-ellipse of the same line load and spread.
+    /// Largest pressure where contact stays inside the flanks, Pa: Hertz, at the start of a relief the half-ellipse of the same line
+    /// load and spread.
     pub pressure: f64,
     /// Where contact reaches a tip edge, and pressure has no bound, and bears most.
     pub edge: Option<EdgeLoad>,
@@ -130,8 +130,8 @@ pub struct ContactResult {
     pub max_pressure: f64,
     /// Largest line load at a tip edge, if contact reaches one.
     pub edge_load: Option<EdgeLoad>,
-    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a
-    /// segment less what its gaps and local contact ask for under the displacement of all forces.
+    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a segment less what its
+    /// gaps and local contact ask for under the displacement of all forces.
     pub kkt_residual: f64,
     /// Newton steps it took.
     pub iterations: usize,
@@ -174,10 +174,8 @@ impl PositionProblem {
             reach: setup.settings.tip_corner_contact.then_some(setup.reach),
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
         };
-        let each = problem.candidates.iter().enumerate();
-        problem.local = each
-            .map(|(i, segment)| problem.law(segment, &segment.profile, problem.lengths(i)))
-            .collect();
+        let law = |(i, c): (_, &Candidate)| problem.law(c, &c.profile, problem.lengths(i));
+        problem.local = problem.candidates.iter().enumerate().map(law).collect();
         problem
     }
 
@@ -197,28 +195,11 @@ impl PositionProblem {
         self.influence.lengths.each_ref().map(|lengths| lengths[i])
     }
 
-    /// The segments that may touch.
-    pub fn candidates(&self) -> &[Candidate] {
-        &self.candidates
-    }
-
-    /// The same as gear 1 and gear 2 see them.
-    pub fn seen_by_gears(&self) -> &[[Segment; 2]] {
-        &self.seen
-    }
-
-    /// Deviation from the nominal centre distance, m.
-    pub fn center_distance_offset(&self) -> f64 {
-        self.center_distance_offset
-    }
-
     /// Gaps at the points of each segment along the normal under `misalignment`, m; at a tip edge a tilt closes as much as on the path.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
         let left = |gap: f64, lever: f64| self.numbers.cos_beta_b * (gap - misalignment * lever);
-        let segments = self.candidates.iter();
-        segments
-            .map(|c| std::array::from_fn(|q| left(c.gap[q], c.levers[q])))
-            .collect()
+        let gaps = |c: &Candidate| std::array::from_fn(|q| left(c.gap[q], c.levers[q]));
+        self.candidates.iter().map(gaps).collect()
     }
 
     /// Approach at which the first segment touches, m: the no-load transmission error.
@@ -228,19 +209,16 @@ impl PositionProblem {
             approach if arm * approach > gap => approach.next_down(),
             approach => approach,
         };
-        self.gaps(misalignment)
-            .into_iter()
-            .zip(&self.arm)
-            .flat_map(|(gaps, arm)| gaps.map(|gap| touch(gap, *arm)))
-            .fold(f64::INFINITY, f64::min)
+        let gaps = self.gaps(misalignment).into_iter().zip(&self.arm);
+        let touches = gaps.flat_map(|(gaps, arm)| gaps.map(|gap| touch(gap, *arm)));
+        touches.fold(f64::INFINITY, f64::min)
     }
 
-    /// Equilibrium under `torque` (N m on gear 1, >= 0) and `misalignment` (rad), from the forces of
-    /// `warm`, a solution at the same position, where there is one. Without torque the flanks just touch.
+    /// Equilibrium under `torque` (N m on gear 1, >= 0) and `misalignment` (rad), from the forces of `warm`, a solution at the
+    /// same position, if there is one. Without torque the flanks just touch.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for a torque that is negative or not finite, else as
-    /// [`PositionProblem::solve_approach`].
+    /// [`ContactError::Input`] for a torque that is negative or not finite, else as [`PositionProblem::solve_approach`].
     pub fn solve_torque(
         &self,
         torque: f64,
@@ -248,11 +226,8 @@ impl PositionProblem {
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
         if !(torque.is_finite() && torque >= 0.0) {
-            return Err(ContactError::input(
-                "torque",
-                torque,
-                "give a finite torque on gear 1 that is not negative; the coast flank is a flank of its own",
-            ));
+            let remedy = "give a finite torque on gear 1 that is not negative; the coast flank is a flank of its own";
+            return Err(ContactError::input("torque", torque, remedy));
         }
         if torque == 0.0 {
             finite("misalignment", misalignment)?;
@@ -261,12 +236,10 @@ impl PositionProblem {
         self.solve(Prescribed::Torque(torque), misalignment, warm)
     }
 
-    /// Contact at the given `approach` (m on the line of action at mid-face) and `misalignment` (rad),
-    /// from the forces of `warm` where there is one.
+    /// Contact at `approach` (m on the line of action at mid-face) and `misalignment` (rad), from the forces of `warm` if there is one.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::Unsolved`] where a
-    /// [`Failure`] says why.
+    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::Unsolved`] where a [`Failure`] says why.
     pub fn solve_approach(
         &self,
         approach: f64,
@@ -284,10 +257,8 @@ impl PositionProblem {
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
         let result = self.solve_beyond(prescribed, misalignment, warm)?;
-        match result.excess {
-            Some(failure) => Err(self.unsolved(prescribed, misalignment, failure)),
-            None => Ok(result),
-        }
+        let failed = |failure| Err(self.unsolved(prescribed, misalignment, failure));
+        result.excess.map_or(Ok(result), failed)
     }
 
     /// As [`PositionProblem::solve_torque`] and [`PositionProblem::solve_approach`], also where a flank bears more than any
@@ -324,7 +295,6 @@ impl PositionProblem {
         }
     }
 
-    /// Solves from `start` if there is one, and says what the solution exceeds.
     pub(super) fn solution(
         &self,
         prescribed: Prescribed,
@@ -344,14 +314,12 @@ impl PositionProblem {
             },
             foundation: self.foundation,
         };
-        let mut solution = problem
-            .solve(start)
-            .map_err(|failure| self.unsolved(prescribed, misalignment, failure))?;
+        let failed = |failure| self.unsolved(prescribed, misalignment, failure);
+        let mut solution = problem.solve(start).map_err(failed)?;
         if let (None, Some(reach)) = (solution.excess, self.reach) {
             let levers = self.candidates.iter().flat_map(|c| c.levers);
-            let needed = levers
-                .map(|lever| solution.approach + misalignment * lever)
-                .fold(f64::NEG_INFINITY, f64::max);
+            let approaches = levers.map(|lever| solution.approach + misalignment * lever);
+            let needed = approaches.fold(f64::NEG_INFINITY, f64::max);
             solution.excess = (needed > reach).then_some(Failure::BeyondReach { needed, reach });
         }
         Ok(solution)

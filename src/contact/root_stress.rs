@@ -9,8 +9,7 @@ use crate::vector::Lanes;
 /// Components of stress at each point: along the profile, along the helix, shear; Pa.
 pub const COMPONENTS: usize = 3;
 
-/// The points of the fillet at which stress is observed: a grid of places along the profile and along the face. Coordinates are
-/// those of [`Segment`].
+/// The points of the fillet at which stress is observed, along the profile and the face, in the coordinates of [`Segment`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fillet {
     /// Places along the profile from the middle of the space to the start of the involute: radius, m.
@@ -35,7 +34,7 @@ pub struct Fillet {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootField<'a> {
     fillet: &'a Fillet,
-    /// At each place along the face how many places along the profile, from the middle of the space, no load is beside.
+    /// At each place along the face how many places along the profile, from the middle of the space, lie off the loads.
     clear: Vec<usize>,
     /// Largest principal stress at each place along the face (outer) and along the profile, Pa, tension positive.
     principal: Vec<f64>,
@@ -60,8 +59,7 @@ impl Fillet {
         COMPONENTS * self.radii.len() * self.z.len()
     }
 
-    /// The field of the stress `components`, Pa (place along the face by place along the profile by component), of a tooth with
-    /// loads on the segments `loaded` of its flank.
+    /// The field of the stress `components`, Pa (by face, profile, component), of a tooth with the segments `loaded` on its flank.
     pub fn field<'s>(
         &self,
         components: &[f64],
@@ -148,46 +146,33 @@ impl CondensedRoots {
             segment
         };
         let seen: Vec<Segment> = loads.iter().map(seen).collect();
-        let mut stress = vec![0.0; self.fillet.components()];
+        let (count, reach, [low, high]) = (self.fillet.components(), self.reach as i32, self.rolls);
+        let mut stress = vec![0.0; count];
         let mut largest = 0.0f64;
         for of_tooth in seen.chunk_by(|a, b| a.tooth == b.tooth) {
-            self.add_up(i, of_tooth[0].tooth, loads, &seen, &mut stress);
+            stress.fill(0.0);
+            Lanes::widest().run(|_| {
+                for ((candidate, force), segment) in loads.iter().zip(&seen) {
+                    let away = of_tooth[0].tooth - segment.tooth;
+                    if away.abs() > reach {
+                        continue;
+                    }
+                    let x = (candidate.roll[i] - low) / (high - low) * (ROLLS - 1) as f64;
+                    let first = (x.floor().max(1.0) as usize - 1).min(ROLLS - 4);
+                    let station = (away + reach) as usize * self.stations + candidate.station;
+                    let columns = self.values[(station * ROLLS + first) * count..].chunks(count);
+                    for (weight, column) in cubic(x - first as f64).into_iter().zip(columns) {
+                        let force = weight * force;
+                        for (sum, value) in stress.iter_mut().zip(column) {
+                            *sum += force * f64::from(*value);
+                        }
+                    }
+                }
+            });
             let field = self.fillet.field(&stress, of_tooth.iter());
             largest = largest.max(field.largest().stress);
         }
         largest
-    }
-
-    /// The components of `stress`, Pa, in the root of `tooth` of gear `i` under `loads` on the segments that it sees as `seen`.
-    fn add_up(
-        &self,
-        i: usize,
-        tooth: i32,
-        loads: &[(&Candidate, f64)],
-        seen: &[Segment],
-        stress: &mut [f64],
-    ) {
-        stress.fill(0.0);
-        let reach = self.reach as i32;
-        let [low, high] = self.rolls;
-        Lanes::widest().run(|_| {
-            for ((candidate, force), segment) in loads.iter().zip(seen) {
-                let away = tooth - segment.tooth;
-                if away.abs() > reach {
-                    continue;
-                }
-                let x = (candidate.roll[i] - low) / (high - low) * (ROLLS - 1) as f64;
-                let first = (x.floor().max(1.0) as usize - 1).min(ROLLS - 4);
-                let column = ((away + reach) as usize * self.stations + candidate.station) * ROLLS;
-                let columns = self.values[(column + first) * stress.len()..].chunks(stress.len());
-                for (weight, column) in cubic(x - first as f64).into_iter().zip(columns) {
-                    let force = weight * force;
-                    for (sum, value) in stress.iter_mut().zip(column) {
-                        *sum += force * f64::from(*value);
-                    }
-                }
-            }
-        });
     }
 }
 
@@ -209,8 +194,7 @@ impl RootField<'_> {
         &self.fillet.z
     }
 
-    /// The largest principal stress at each place along the profile, from the middle of the space to the start of the
-    /// involute, at the place `number` along the face.
+    /// Largest principal stress from the middle of the space to the start of the involute, at the place `number` along the face.
     pub fn profile(&self, number: usize) -> impl Iterator<Item = RootPoint> {
         let fillet = self.fillet;
         let points = self.stress(number).iter().enumerate();
@@ -228,8 +212,8 @@ impl RootField<'_> {
         &self.principal[number * n..][..n]
     }
 
-    /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on the flank of this tooth: there
-    /// it is local, and without limit under a corner. Between the places along the profile by a parabola.
+    /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on this flank: there it
+    /// is local, and without limit under a corner. Between the places along the profile by a parabola.
     pub fn largest(&self) -> RootPoint {
         let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
         places.reduce(larger).unwrap_or_default()
@@ -252,8 +236,8 @@ impl RootField<'_> {
         self.at_arc(number, arcs[i] + away)
     }
 
-    /// Largest over the face at the place of the fillet whose tangent makes 30 degrees (ring: 60) with the centre
-    /// line of the tooth, but for what [`RootField::largest`] leaves out, unless that is all of it. None if the fillet has no such place.
+    /// Largest over the face where the fillet's tangent makes 30 degrees (ring: 60) with the centre line of the tooth, but for
+    /// what [`RootField::largest`] leaves out, unless that is all of it. None if the fillet has no such place.
     pub fn at_tangent(&self) -> Option<RootPoint> {
         let (arcs, tangents) = (&self.fillet.arcs, &self.fillet.tangents);
         let standard = self.fillet.standard_tangent;

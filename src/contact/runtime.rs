@@ -37,8 +37,8 @@ pub struct ContactPotential {
     /// Largest principal stress in the tooth roots of gear 1 and gear 2, Pa; zero unless [`RuntimeContact::with_root_stress`] asks
     /// for it.
     pub root_stress: [f64; 2],
-    /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, segments in reach that they do not
-    /// hold, or a pressure that no flank carries.
+    /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, segments in reach that they lack,
+    /// or a pressure that no flank carries.
     pub out_of_range: bool,
 }
 
@@ -62,11 +62,8 @@ pub struct Warm {
     forces: BTreeMap<(i64, usize), f64>,
 }
 
-/// A pose of the mesh.
 struct Pose<'a> {
-    /// m.
     approach: f64,
-    /// rad.
     misalignment: f64,
     /// Which teeth are in mesh.
     counts: Counts,
@@ -178,7 +175,7 @@ impl RuntimeContact {
         }
         let count = candidates.len();
         let problem = self.problem(candidates, &pose.lines);
-        let segments = problem.candidates();
+        let segments = &problem.candidates;
         let missing = segments.len() < count;
         let known = |segment| last.get(&pose.since_start(segment)).copied().unwrap_or(0.0);
         let forces: Vec<f64> = segments.iter().map(known).collect();
@@ -230,7 +227,7 @@ impl RuntimeContact {
         pose: &Pose<'_>,
         solution: &Solution,
     ) -> Result<(f64, [f64; 2]), ContactError> {
-        let segments = problem.candidates();
+        let segments = &problem.candidates;
         let carries = |i: &usize| solution.force[*i] > 0.0;
         let loaded: Vec<usize> = (0..segments.len()).filter(carries).collect();
         let carrying: Vec<&Candidate> = loaded.iter().map(|&i| &segments[i]).collect();

@@ -5,15 +5,14 @@ use serde::{Deserialize, Serialize};
 use super::error::ContactError;
 use super::transverse::{PairNumbers, TransverseSection};
 use crate::friction::FrictionLaw;
-use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::gear::{Gear, PairGeometry, PairMicrogeometry, PairTeeth};
 use crate::pair::{Pair, Refinement};
 
 /// Stations along the face: the most, of a pair whose contacts are narrow (docs/validation.md), and the fewest.
 const MOST_STATIONS: usize = 40;
 const FEWEST_STATIONS: usize = 10;
 
-/// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
-/// far tip edges are followed and for how wide contacts become. ISO 6336-1: 14 N/(mm um) for steel.
+/// Stiffness of a tooth pair per length of contact line over Young's modulus, for estimates. ISO 6336-1: 14 N/(mm um) for steel.
 pub(super) const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 
 /// How the contact is discretised.
@@ -51,8 +50,8 @@ impl Default for ContactSettings {
 const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
 
 impl ContactSettings {
-    /// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the
-    /// pair's loads and misalignments is wide, but at least 10; tip corners as the pair file says.
+    /// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the pair's loads and
+    /// misalignments is wide, but at least 10; tip corners as the pair file says.
     pub fn for_pair(pair: &Pair) -> ContactSettings {
         let elements = match pair.refinement {
             Refinement::Coarse => COARSE_OVER_NORMAL,
@@ -124,25 +123,17 @@ impl ContactSetup {
         Ok(())
     }
 
-    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance; `numbers` are the
-    /// pair's.
-    ///
-    /// # Errors
-    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance.
     pub(super) fn section(
         &self,
         numbers: &PairNumbers,
         center_distance_offset: f64,
     ) -> Result<TransverseSection, ContactError> {
-        TransverseSection::new(
-            numbers,
-            self.geometry.center_distance + center_distance_offset,
-            self.form_rolls,
-            self.settings
-                .tip_corner_contact
-                .then_some(self.reach + self.teeth.largest_closing()),
-        )
-        .ok_or_else(|| self.out_of_mesh(center_distance_offset))
+        let center_distance = self.geometry.center_distance + center_distance_offset;
+        let limit = self.reach + self.teeth.largest_closing();
+        let limit = self.settings.tip_corner_contact.then_some(limit);
+        TransverseSection::new(numbers, center_distance, self.form_rolls, limit)
+            .ok_or_else(|| self.out_of_mesh(center_distance_offset))
     }
 
     pub(super) fn out_of_mesh(&self, center_distance_offset: f64) -> ContactError {
@@ -158,30 +149,25 @@ pub fn widest_contact(pair: &Pair) -> f64 {
     let g = &pair.geometry;
     let c = g.center_distance;
     let path = g.path_of_contact(c);
-    let radius = (0..=20)
-        .map(|i| {
-            let xi = path.start + path.length() * f64::from(i) / 20.0;
-            let rho = [0, 1].map(|k| g.gears[k].kappa() * g.roll_at(k, c, xi));
-            1.0 / (1.0 / rho[0] + 1.0 / rho[1])
-        })
-        .fold(0.0, f64::max)
-        / g.base_helix_angle().cos();
+    let radii = (0..=20).map(|i| {
+        let xi = path.start + path.length() * f64::from(i) / 20.0;
+        let rho = [0, 1].map(|k| g.gears[k].kappa() * g.roll_at(k, c, xi));
+        1.0 / (1.0 / rho[0] + 1.0 / rho[1])
+    });
+    let radius = radii.fold(0.0, f64::max) / g.base_helix_angle().cos();
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
     let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
     let [low, high] = pair.operating.misalignment.map(f64::abs);
     let misalignment = low.max(high);
     let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
     let line_load = (force / g.face_overlap().1).max(triangle);
-    let softness: f64 = g
-        .gears
-        .iter()
-        .map(|g| (1.0 - g.poisson_ratio * g.poisson_ratio) / g.youngs_modulus)
-        .sum();
+    let softness = |g: &Gear| (1.0 - g.poisson_ratio * g.poisson_ratio) / g.youngs_modulus;
+    let softness: f64 = g.gears.iter().map(softness).sum();
     (4.0 * line_load * radius * softness / std::f64::consts::PI).sqrt()
 }
 
-/// Approach that the pair's largest load and misalignment can cause, m: twice that of a stiff tooth pair, how bodies give way, what
-/// misalignment adds at the ends, and what modifications take off at most.
+/// Approach that the pair's largest load and misalignment can cause, m: twice that of a stiff tooth pair, of the bodies, of the
+/// misalignment at the ends, and what modifications take off at most.
 pub(super) fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     let g = &pair.geometry;
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
@@ -263,13 +249,11 @@ impl Deflection {
         };
         let (middle, slope) = piece(last);
         let beside = if z < middle { last - 1 } else { last + 1 };
-        let smooth = match (1..self.points.len()).contains(&beside) {
-            true => {
-                let (other, turned) = piece(beside);
-                slope + (turned - slope) * (z - middle) / (other - middle)
-            }
-            false => slope,
-        };
+        let mut smooth = slope;
+        if (1..self.points.len()).contains(&beside) {
+            let (other, turned) = piece(beside);
+            smooth += (turned - slope) * (z - middle) / (other - middle);
+        }
         let [z0, d0] = self.points[last - 1];
         [d0 + slope * (z - z0), smooth]
     }
@@ -277,13 +261,11 @@ impl Deflection {
     /// Least and largest closing over the face with the ends `ends`, m, up to `beyond` (sigma y, m) beside the pitch line.
     pub fn range(&self, ends: [f64; 2], beyond: f64) -> [f64; 2] {
         let inside = (self.points.iter().map(|p| p[0])).filter(|z| ends[0] < *z && *z < ends[1]);
-        (ends.into_iter().chain(inside)).fold(
-            [f64::INFINITY, f64::NEG_INFINITY],
-            |[low, high], z| {
-                let [closing, slope] = self.closing(z);
-                let turned = (beyond * slope).abs();
-                [low.min(closing - turned), high.max(closing + turned)]
-            },
-        )
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        (ends.into_iter().chain(inside)).fold(none, |[low, high], z| {
+            let [closing, slope] = self.closing(z);
+            let turned = (beyond * slope).abs();
+            [low.min(closing - turned), high.max(closing + turned)]
+        })
     }
 }

@@ -56,17 +56,13 @@ impl ContactSolver {
         let mut form_rolls = [0.0; 2];
         for (roll, gear) in form_rolls.iter_mut().zip(&pair.geometry.gears) {
             // The tip edge of the mate stays off the base circle, where the involute has its cusp.
-            *roll = ToothProfile::new(gear)?
-                .form_roll()
-                .max(1e-3 * gear.base_radius());
+            let form_roll = ToothProfile::new(gear)?.form_roll();
+            *roll = form_roll.max(1e-3 * gear.base_radius());
         }
         let reach = (settings.reach).unwrap_or_else(|| estimated_reach(pair, form_rolls));
         if !(reach.is_finite() && reach > 0.0) {
-            return Err(ContactError::input(
-                "reach",
-                reach,
-                "give a positive length in m",
-            ));
+            let remedy = "give a positive length in m";
+            return Err(ContactError::input("reach", reach, remedy));
         }
         let corner_resolution = compliance.each_ref().map(|gear| gear.corner_resolution());
         let solver = ContactSolver {
@@ -99,9 +95,8 @@ impl ContactSolver {
         self
     }
 
-    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_reach`] says, as bodies that
-    /// tilt under the thrust of a steep helix do. What cannot be solved here is refused when it comes up.
-    ///
+    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_reach`] says, as with bodies
+    /// that tilt under the thrust of a steep helix. What cannot be solved here is refused when it comes up.
     fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
         let mut followed = self.setup.reach;
         for _ in 0..TRIALS {
@@ -187,13 +182,12 @@ impl ContactSolver {
         &self.setup
     }
 
-    /// The problem at `mesh_position` (base pitches; 0: a tooth pair touches at the pitch point at
-    /// mid-face) and at the deviation `center_distance_offset` (m) from the nominal centre distance. It
-    /// holds the influence matrix and serves all loads and misalignments.
+    /// The problem at `mesh_position` (base pitches; 0: a tooth pair touches at the pitch point at mid-face) and at the deviation
+    /// `center_distance_offset` (m) from the nominal centre distance. It serves all loads and misalignments.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::OutOfMesh`] where teeth
-    /// cannot meet, [`ContactError::BeyondModel`] where more teeth may than the elastic models hold.
+    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::OutOfMesh`] where teeth cannot meet,
+    /// [`ContactError::BeyondModel`] where more teeth may than the elastic models hold.
     pub fn position(
         &self,
         flank: Flank,
@@ -205,11 +199,9 @@ impl ContactSolver {
         let geometry = &self.setup.geometry;
         let center_distance = geometry.center_distance + center_distance_offset;
         if (0..2).any(|i| geometry.tip_clearance(i, center_distance) <= 0.0) {
-            return Err(ContactError::input(
-                "center_distance_offset",
-                center_distance_offset,
-                "give one (m) at which no tip reaches the root of its mate",
-            ));
+            let remedy = "give one (m) at which no tip reaches the root of its mate";
+            let (field, value) = ("center_distance_offset", center_distance_offset);
+            return Err(ContactError::input(field, value, remedy));
         }
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
@@ -241,8 +233,7 @@ impl ContactSolver {
         Ok(section.passage())
     }
 
-    /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is not
-    /// within reach.
+    /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite out of reach.
     ///
     /// # Errors
     /// As [`ContactSolver::passage`].
@@ -352,7 +343,6 @@ impl ContactSolver {
         Ok(sums.map(|sum| sum / all))
     }
 
-    /// The contact lines of `flank` at the mesh position `tau` and the deviation `center_distance_offset` (m).
     fn lines(
         &self,
         flank: Flank,

@@ -123,20 +123,6 @@ fn the_closest_point_is_the_least_gap_of_all() {
 }
 
 #[test]
-fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
-    let pair = plain_pair("palermo2013");
-    let section = section(&pair.geometry, 100e-6);
-    for xi in section.reach {
-        let at = section.point(0.8 * xi);
-        let found = flanks(&pair, &section, at);
-        let closest = found.closest();
-        assert_eq!((closest.gap, closest.s), (at.separation, 0.0));
-        assert_eq!(found.rolls(closest.s), at.roll);
-        assert_eq!(found.profile(closest.s).slope, 0.0);
-    }
-}
-
-#[test]
 fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
     let mut pair = plain_pair("palermo2013");
     let section = section(&pair.geometry, 100e-6);

@@ -10,8 +10,7 @@ use crate::root::bisection;
 
 const HALVINGS: usize = 30;
 
-/// The numbers of a pair that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through
-/// several angles. Index 0 is gear 1.
+/// The numbers that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through several angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairNumbers {
     pub base_radius: [f64; 2],
@@ -24,12 +23,11 @@ pub struct PairNumbers {
     /// abs(rb1 + e rb2), m.
     pub base_radius_sum: f64,
     pub base_pitch: f64,
-    /// Tangent of the base helix angle, >= 0.
+    /// Of the base helix angle, >= 0.
     pub tan_beta_b: f64,
     pub cos_beta_b: f64,
     /// +1 right-handed helix of gear 1, -1 left-handed.
     pub hand: f64,
-    /// Mid-face of the overlap of both faces in gear 1's frame, m.
     pub z_ref: f64,
     /// The overlap of both faces in gear 1's frame: lower end and width, m.
     pub face: [f64; 2],
@@ -72,8 +70,7 @@ impl PairNumbers {
         }
     }
 
-    /// Tangent of the operating transverse pressure angle at `center_distance` (m); not a number where the base circles
-    /// have no common tangent.
+    /// Tangent of the operating transverse pressure angle at `center_distance` (m); NaN where base circles have no common tangent.
     pub fn tan_phi(&self, center_distance: f64) -> f64 {
         let (c, base) = (center_distance, self.base_radius_sum);
         ((c - base) * (c + base)).sqrt() / base
@@ -87,8 +84,7 @@ pub struct TransversePoint {
     pub roll: [f64; 2],
     /// Gap between the unmodified flanks along the line of action, m: zero on the path of contact.
     pub separation: f64,
-    /// Slope of this gap over the distance along the flanks towards the tip of gear 1: zero on the path,
-    /// beyond it the inclination of the flanks.
+    /// Slope of this gap over the distance along the flanks towards the tip of gear 1: beyond the path their inclination.
     pub slope: f64,
     /// Arms of the contact force about the axes of gear 1 and gear 2 over their base radii: 1 on the path and on the
     /// gear whose flank a tip edge bears on, whose normals touch its own base circle.
@@ -97,9 +93,8 @@ pub struct TransversePoint {
 
 /// The transverse section at one centre distance.
 ///
-/// Coordinates: pitch point as origin, x along the line of action in the sense in which contact moves,
-/// y normal to it towards the side on which gear 1's base tangent point sees its centre behind (O1 lies
-/// at y = -rb1). Both base circles carry their tangent points along +x while the pair turns. The length of roll is
+/// Coordinates: pitch point as origin, x along the line of action in the sense in which contact moves, y normal to it, O1 at
+/// y = -rb1. Both base circles carry their tangent points along +x while the pair turns. The length of roll is
 /// rb tan phi + q xi on either gear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransverseSection {
@@ -114,7 +109,7 @@ pub struct TransverseSection {
 
 impl TransverseSection {
     /// Section at `center_distance`, m; with `separation_limit` (m) tip corners are followed beyond the path until flanks are that far
-    /// apart. `form_rolls`: lengths of roll at which the involutes end at the root. None without a path of contact.
+    /// apart. None without a path of contact.
     pub fn new(
         numbers: &PairNumbers,
         center_distance: f64,
@@ -438,7 +433,10 @@ impl<'a> MatingFlanks<'a> {
         }
         profile.curvature = profile.curvature.max(LEAST_CURVATURE * involutes);
         // The flanks are parallel where they come closest, but at a tip edge; what the search leaves over is none of it.
-        let [before, behind] = profile.slopes_at_closest();
+        let (before, behind) = (
+            profile.slope - profile.kink(-1.0),
+            profile.slope + profile.kink(1.0),
+        );
         let at_edge = TOLERANCE / self.curvature;
         if before > 0.0 && profile.edges[0] < -at_edge {
             profile.slope -= before;

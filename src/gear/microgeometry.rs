@@ -47,9 +47,8 @@ impl Microgeometry {
     /// Slope and curvature over the length of roll without the reliefs, m/m and m/m²; the curvature of a topography is its
     /// second difference over +-`by` (m of roll).
     pub fn smooth_slopes(&self, gear: &Gear, roll: f64, z: f64, by: f64) -> [f64; 2] {
-        let slope = self
-            .add_smooth(ProfilePiece::default(), gear, roll, z)
-            .slope;
+        let none = ProfilePiece::default();
+        let slope = self.add_smooth(none, gear, roll, z).slope;
         let crowning = self.profile_crowning.as_ref();
         let mut curvature = crowning.map_or(0.0, |c| c.piece(roll).curvature);
         if let Some(f) = &self.topography {
@@ -102,8 +101,7 @@ impl Microgeometry {
         self.profile_slope.is_some_and(|p| p.bias != 0.0) || self.topography.is_some()
     }
 
-    /// Bound of [`Microgeometry::removal`] over the lengths of roll `rolls` (the ends of the flank, either
-    /// first) and the whole face, m.
+    /// Bound of [`Microgeometry::removal`] over the whole face between the lengths of roll `rolls`, m.
     pub fn largest_removal(&self, gear: &Gear, rolls: [f64; 2]) -> f64 {
         let mut smooth = self.clone();
         let topography = smooth.topography.take();
@@ -114,12 +112,10 @@ impl Microgeometry {
         largest + topography.map_or(0.0, |f| f.largest_removal())
     }
 
-    /// Whether the flank looks the same from both ends of the face. Only then is the coast flank, seen
-    /// with the gear turned end for end, the drive flank again.
+    /// Whether the flank looks the same from both ends of the face.
     pub fn is_symmetric(&self) -> bool {
-        self.lead_slope == 0.0
-            && self.end_relief[0] == self.end_relief[1]
-            && !self.varies_along_face()
+        let [low, high] = &self.end_relief;
+        self.lead_slope == 0.0 && low == high && !self.varies_along_face()
     }
 }
 
@@ -130,13 +126,6 @@ fn along_face(gear: &Gear, z: f64) -> f64 {
 
 /// Modifications of both flanks of both gears.
 pub type PairMicrogeometry = BothFlanks<Microgeometry>;
-
-impl PairMicrogeometry {
-    /// Whether the coast flanks are the drive flanks seen from the other end of the faces.
-    pub fn coast_mirrors_drive(&self) -> bool {
-        self.drive == self.coast && self.drive.iter().all(Microgeometry::is_symmetric)
-    }
-}
 
 /// How a relief grows from its start to its end. Older files of units have the names with a capital.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -245,11 +234,8 @@ impl ProfileSlope {
     pub fn piece(&self, roll: f64, t: f64) -> ProfilePiece {
         let amount = self.amount + 0.5 * self.bias * t;
         let [a, b] = self.rolls;
-        ProfilePiece::parabola([
-            0.5 * amount * along(self.rolls, roll),
-            amount / (b - a),
-            0.0,
-        ])
+        let removal = 0.5 * amount * along(self.rolls, roll);
+        ProfilePiece::parabola([removal, amount / (b - a), 0.0])
     }
 }
 
@@ -278,9 +264,9 @@ impl EndRelief {
 
 #[cfg(test)]
 mod tests {
-    use super::super::GearKind;
-    use super::super::samples;
+    use super::ReliefShape::{Arc, Linear, Parabolic};
     use super::*;
+    use crate::gear::{GearKind, samples};
     use approx::assert_abs_diff_eq;
 
     fn gear() -> Gear {
@@ -305,8 +291,8 @@ mod tests {
         let removal =
             rolls.map(|r: f64| zs.map(|z| 1e-4 * r * r + 2e-5 * z - 1e-3 * r * z).to_vec());
         Microgeometry {
-            tip_relief: Some(relief(10e-3, 14e-3, ReliefShape::Parabolic)),
-            root_relief: Some(relief(9e-3, 6e-3, ReliefShape::Linear)),
+            tip_relief: Some(relief(10e-3, 14e-3, Parabolic)),
+            root_relief: Some(relief(9e-3, 6e-3, Linear)),
             profile_crowning: Some(ProfileCrowning {
                 amount: 3e-6,
                 rolls: [6e-3, 14e-3],
@@ -322,7 +308,7 @@ mod tests {
                 Some(EndRelief {
                     amount: 10e-6,
                     length,
-                    shape: ReliefShape::Linear,
+                    shape: Linear,
                 })
             }),
             topography: Topography::new(rolls.to_vec(), zs.to_vec(), removal.to_vec()).ok(),
@@ -372,6 +358,10 @@ mod tests {
         let lead_slope = alone(|m, all| m.lead_slope = all.lead_slope);
         let slope = alone(|m, all| m.profile_slope = all.profile_slope);
         let ends = alone(|m, all| m.end_relief = all.end_relief);
+        let relieved = |end_roll: f64, shape: ReliefShape| Microgeometry {
+            tip_relief: Some(relief(10e-3, end_roll, shape)),
+            ..Microgeometry::default()
+        };
         // Whether it looks the same from both ends of the face; length of roll and z in mm, removal in um.
         for (m, is_symmetric, points) in [
             // A parabola has a quarter of its end value half way out.
@@ -382,6 +372,19 @@ mod tests {
             // From -2 to 2 um at mid-face, from -1.5 to 1.5 and -2.5 to 2.5 at its ends: the mean of the flank stays.
             (slope, false, "6 12 -2, 14 12 2, 14 24 1.5, 6 0 -2.5"),
             (ends, false, "9 0 10, 9 1 5, 9 22.5 5, 9 20.9 0"),
+            // Of an external gear's tip, and of a root or the tip of a ring.
+            (
+                relieved(14e-3, Linear),
+                true,
+                "6 9 0, 10 0 0, 12 0 4, 14 24 8",
+            ),
+            (relieved(14e-3, Parabolic), true, "10 0 0, 12 0 2, 14 24 8"),
+            (
+                relieved(6e-3, Linear),
+                true,
+                "14 9 0, 10 0 0, 8 0 4, 6 24 8",
+            ),
+            (relieved(6e-3, Parabolic), true, "10 0 0, 8 0 2, 6 24 8"),
         ] {
             for point in points.split(", ") {
                 let mut numbers = point.split(' ').map(|text| text.parse().unwrap());
@@ -406,32 +409,13 @@ mod tests {
         );
     }
     #[test]
-    fn relief_is_zero_up_to_its_start_half_or_a_quarter_half_way_and_whole_at_its_end() {
-        use ReliefShape::{Arc, Linear, Parabolic};
-        for (shape, half_way) in [(Linear, 4e-6), (Parabolic, 2e-6), (Arc, 2e-6)] {
-            // Tip relief of an external gear, then root relief (or the tip of a ring).
-            for end in [14e-3, 6e-3] {
-                let r = relief(10e-3, end, shape);
-                let removals =
-                    [20e-3 - end, 10e-3, 5e-3 + 0.5 * end, end].map(|x| r.piece(x).removal);
-                assert_abs_diff_eq!(
-                    removals[..],
-                    [0.0, 0.0, half_way, 8e-6][..],
-                    epsilon = 1e-18
-                );
-                assert_eq!(r.piece(20e-3 - end).slope, 0.0);
-            }
-        }
-    }
-
-    #[test]
     fn an_arc_is_a_circle_that_leaves_the_flank_as_a_tangent() {
         // Steep for a modification: 200 um over 4 mm, radius from amount and length.
         let (amount, length) = (200e-6f64, 4e-3f64);
         let radius = (length * length + amount * amount) / (2.0 * amount);
         let arc = ProfileRelief {
             amount,
-            ..relief(10e-3, 14e-3, ReliefShape::Arc)
+            ..relief(10e-3, 14e-3, Arc)
         };
         for x in [1e-3, 2e-3, 3e-3] {
             let circle = radius - (radius * radius - x * x).sqrt();

@@ -56,8 +56,8 @@ impl<T> BothFlanks<T> {
     }
 }
 
-/// Limits of contact on the line of action, measured from the pitch point, positive in the sense in
-/// which contact moves while gear 1 turns in the sense of its loaded flank, m.
+/// Limits of contact on the line of action, from the pitch point, positive in the sense in which contact moves while gear 1
+/// turns in the sense of its loaded flank, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathOfContact {
     /// Where gear 2's tip enters (negative).
@@ -140,12 +140,10 @@ impl PairGeometry {
     /// inv phi_0: involute of the pressure angle at which teeth without thinning mesh without
     /// backlash, inv alpha_t + 2 tan alpha_n (x1 + e x2) / (z1 + e z2).
     pub fn backlash_free_involute(&self) -> f64 {
-        let g = &self.gears;
-        involute(g[0].transverse_pressure_angle())
-            + 2.0
-                * g[0].normal_pressure_angle.tan()
-                * (g[0].profile_shift + self.e() * g[1].profile_shift)
-                / self.tooth_sum()
+        let [first, second] = &self.gears;
+        let shift = first.profile_shift + self.e() * second.profile_shift;
+        involute(first.transverse_pressure_angle())
+            + 2.0 * first.normal_pressure_angle.tan() * shift / self.tooth_sum()
     }
 
     /// Operating pitch radius of gear `i` (0 or 1) at `center_distance`, m, (3).
@@ -157,27 +155,26 @@ impl PairGeometry {
     /// j + 2 e abs(rb1 + e rb2) (inv phi - inv phi_0).
     pub fn backlash(&self, center_distance: f64) -> f64 {
         let phi = self.operating_pressure_angle(center_distance);
-        self.gears[0].tooth_thinning
-            + self.gears[1].tooth_thinning
-            + 2.0
-                * self.e()
-                * self.base_radius_sum()
-                * (involute(phi) - self.backlash_free_involute())
+        let opening = involute(phi) - self.backlash_free_involute();
+        let [first, second] = self.gears.each_ref().map(|gear| gear.tooth_thinning);
+        first + second + 2.0 * self.e() * self.base_radius_sum() * opening
     }
 
     /// Length of roll on gear `i` (0 or 1) at the distance `xi` from the pitch point, m:
     /// rho_1 = rb1 tan phi + kappa_1 xi, rho_2 = rb2 tan phi - kappa_2 xi.
     pub fn roll_at(&self, i: usize, center_distance: f64, xi: f64) -> f64 {
-        let gear = &self.gears[i];
-        let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
-        gear.base_radius() * self.operating_pressure_angle(center_distance).tan() + side * xi
+        let tan_phi = self.operating_pressure_angle(center_distance).tan();
+        self.gears[i].base_radius() * tan_phi + self.side(i) * xi
     }
 
     /// Distance from the pitch point at which the length of roll on gear `i` (0 or 1) is `roll`, m.
     pub fn distance_at_roll(&self, i: usize, center_distance: f64, roll: f64) -> f64 {
-        let kappa = self.gears[i].kappa();
-        let side = if i == 0 { kappa } else { -kappa };
-        (roll - self.roll_at(i, center_distance, 0.0)) / side
+        (roll - self.roll_at(i, center_distance, 0.0)) / self.side(i)
+    }
+
+    /// Growth of the length of roll on gear `i` with the distance from the pitch point.
+    fn side(&self, i: usize) -> f64 {
+        [1.0, -1.0][i] * self.gears[i].kappa()
     }
 
     /// Path of contact at `center_distance`, tip to tip.
@@ -206,16 +203,11 @@ impl PairGeometry {
     /// Clearance between the tip of gear `i` and the root of its mate at `center_distance`, m; at or below zero they meet.
     pub fn tip_clearance(&self, i: usize, center_distance: f64) -> f64 {
         let (gear, mate) = (&self.gears[i], &self.gears[1 - i]);
-        // Distance of the axes from which the tip reaches the root: external C - ra - rf, pinion in ring
-        // rf - C - ra, ring on pinion ra - C - rf.
+        let (tip, root) = (gear.tip_radius, mate.root_radius());
         match (gear.kind, mate.kind) {
-            (GearKind::External, GearKind::External) => {
-                center_distance - gear.tip_radius - mate.root_radius()
-            }
-            (GearKind::External, GearKind::Ring) => {
-                mate.root_radius() - center_distance - gear.tip_radius
-            }
-            (GearKind::Ring, _) => gear.tip_radius - center_distance - mate.root_radius(),
+            (GearKind::External, GearKind::External) => center_distance - tip - root,
+            (GearKind::External, GearKind::Ring) => root - center_distance - tip,
+            (GearKind::Ring, _) => tip - center_distance - root,
         }
     }
 

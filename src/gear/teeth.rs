@@ -125,8 +125,7 @@ impl PassingGear {
 
     /// What its run-out closes, m, and its rate, m per cycle.
     fn eccentric(&self, runout: Runout, count: i64, tau: f64) -> [f64; 2] {
-        // Number of the flank that is at the pitch point, with its fraction, then the body angle from the centre of
-        // tooth 0; teeth and spaces are of the same width.
+        // Number of the flank at the pitch point, with its fraction, then its body angle; teeth are as wide as spaces.
         let per_tooth = TAU / self.teeth;
         let flank = self.first - self.sense * (tau + count as f64);
         let at = (flank + 0.25 * self.facing) * per_tooth;
@@ -151,9 +150,9 @@ impl Passing {
             return None;
         }
         let (s, e, gears) = (flank.sign(), geometry.e(), &geometry.gears);
-        // The teeth at the pitch point where mesh positions are 0: on the drive flank tooth 0 of both gears. On the coast flank the gap
-        // of gear 1's tooth 0 in which gear 2's tooth 0 stands is across: external teeth meet the next one of gear 2, those of a pinion
-        // in a ring the one before. A ring as gear 1 counts from a space, whose other side is the next tooth.
+        // The teeth at the pitch point at mesh position 0: on the drive flank tooth 0 of both gears. On the coast flank external teeth
+        // meet the next one of gear 2, those of a pinion in a ring the one before. A ring as gear 1 counts from a space, whose
+        // other side is the next tooth.
         let first_on_coast = match (gears[0].kind, gears[1].kind) {
             (GearKind::Ring, _) => [1.0, 0.0],
             (_, GearKind::Ring) => [0.0, -1.0],

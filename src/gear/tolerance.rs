@@ -50,8 +50,8 @@ pub fn total_pitch(gear: &Gear, class: u8) -> f64 {
 }
 
 /// Index errors of all teeth of a gear of `class`, m, mean zero: a wave once per revolution at a random angle, as of a blank
-/// that sat askew, and for each tooth a random part of half the single pitch tolerance. They use up the total cumulative
-/// pitch tolerance, or, where that comes first, the single pitch tolerance. The same for the same `seed`.
+/// that sat askew, and for each tooth a random part of half the single pitch tolerance. They use up the total cumulative or
+/// the single pitch tolerance, whichever comes first.
 pub fn random_index_errors(gear: &Gear, class: u8, seed: u32) -> Vec<f64> {
     let n = gear.teeth as usize;
     // Seeds of xorshift should have bits all over: multiplied by 2^64 over the golden ratio.
@@ -72,12 +72,10 @@ pub fn random_index_errors(gear: &Gear, class: u8, seed: u32) -> Vec<f64> {
         each.collect()
     };
     // The range grows with the wave.
-    let errors = with(bisection([0.0, total], 60, |wave| {
-        range(&with(wave)) < total
-    }));
-    let scale = (single / largest_pitch(&errors))
-        .min(total / range(&errors))
-        .min(1.0);
+    let wave = bisection([0.0, total], 60, |wave| range(&with(wave)) < total);
+    let errors = with(wave);
+    let most = (single / largest_pitch(&errors)).min(total / range(&errors));
+    let scale = most.min(1.0);
     errors.into_iter().map(|error| scale * error).collect()
 }
 

@@ -169,8 +169,8 @@ impl Topography {
     }
 
     /// The least and the largest removal between the lengths of roll `rolls` and the places `zs` (m, each ascending), and
-    /// where they are: length of roll, z and removal, m. Between lines that lie close a cubic can rise far above its
-    /// nodes, and beyond the grid its tangents can. Both are the first NaN if there is one.
+    /// where they are: length of roll, z and removal, m. Between close lines and beyond the grid they can rise far above the
+    /// nodes. Both are the first NaN if there is one.
     pub fn extremes(&self, rolls: [f64; 2], zs: [f64; 2]) -> [[f64; 3]; 2] {
         let zs = places(&self.zs, zs);
         let [mut least, mut largest] = [f64::INFINITY, f64::NEG_INFINITY].map(|f| [0.0, 0.0, f]);
@@ -203,8 +203,7 @@ impl Topography {
         self.piece(roll, z).removal
     }
 
-    /// Removal and its derivatives by the length of roll at the length of roll `roll` and at `z`, m: a cubic from line to
-    /// line of the grid, beyond it a straight line.
+    /// Removal about the length of roll `roll` at `z`, m: a cubic from line to line of the grid, beyond it a straight line.
     pub fn piece(&self, roll: f64, z: f64) -> ProfilePiece {
         let (j, over_z) = weights(&self.zs, z);
         // Removal and its slope on line i.
@@ -285,10 +284,9 @@ fn steepest(rolls: &[f64], zs: &[f64], nodes: &[Node]) -> [f64; 2] {
 fn places(lines: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     let inside = lines.iter().copied().filter(|&x| low < x && x < high);
     let ends: Vec<f64> = std::iter::once(low).chain(inside).chain([high]).collect();
-    let parts = ends
-        .windows(2)
-        .flat_map(|w| (0..PARTS).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / PARTS as f64));
-    parts.chain([high]).collect()
+    let part = |w: &[f64], k: usize| w[0] + (w[1] - w[0]) * k as f64 / PARTS as f64;
+    let parts = |w| (0..PARTS).map(move |k| part(w, k));
+    ends.windows(2).flat_map(parts).chain([high]).collect()
 }
 
 /// The cell of `nodes` in which `x` lies, the first or the last one outside.

@@ -65,6 +65,6 @@ fn kept(gear: &Gear, settings: &Settings) -> Arc<FiniteElementCompliance> {
     let model = Arc::clone(models.entry(key).or_default());
     // Other models may be computed meanwhile.
     drop(models);
-    let new = || FiniteElementCompliance::new(&canonical, settings, &|_, _| true).unwrap();
-    Arc::clone(model.get_or_init(|| Arc::new(new())))
+    let new = || FiniteElementCompliance::new(&canonical, settings, None, &|_, _| true).unwrap();
+    Arc::clone(model.get_or_init(|| Arc::new(new().0)))
 }

@@ -32,7 +32,7 @@ fn even_line_load(pair: &Pair) -> Vec<Sliding> {
         .map(|i| {
             let problem = solver.position(Flank::Drive, (f64::from(i) + 0.5) / 200.0, 0.0);
             let problem = problem.unwrap();
-            let segments = problem.candidates().iter().map(|c| SegmentLoad {
+            let segments = problem.candidates.iter().map(|c| SegmentLoad {
                 force: c.z[1] - c.z[0],
                 ..SegmentLoad::default()
             });

@@ -88,35 +88,31 @@ impl MeshCycle {
         let mesh_position: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
         let done = AtomicUsize::new(0);
         let even = FrictionLaw::default();
-        let solved = mesh_position
-            .par_iter()
-            .map(|&tau| {
-                let at = solver.position(input.flank, tau, input.center_distance_offset)?;
-                let mut results: Vec<ContactResult> = Vec::with_capacity(cases.len());
-                for case in cases {
-                    // The case before is a near one.
-                    let warm = results.last();
-                    results.push(at.solve_torque(case.torque, case.misalignment, warm)?);
-                    let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-                    progress(count as f64 / (n * cases.len()) as f64);
-                }
-                let solved = results.into_iter().map(|result| {
-                    let sliding = solver.sliding(&at, &result, &even);
-                    let friction = solver.sliding(&at, &result, &solver.friction());
-                    (result, sliding, friction)
-                });
-                Ok(solved.collect())
-            })
-            .collect::<Result<Vec<Vec<_>>, ContactError>>()?;
-        let solve_seconds = begin.elapsed().as_secs_f64() / cases.len().max(1) as f64;
-        let cycle = |_: &LoadCase| MeshCycle {
-            mesh_position: mesh_position.clone(),
-            solve_seconds,
+        let solve = |tau: &f64| {
+            let at = solver.position(input.flank, *tau, input.center_distance_offset)?;
+            let mut solved: Vec<(ContactResult, [Sliding; 2])> = Vec::with_capacity(cases.len());
+            for case in cases {
+                // The case before is a near one.
+                let warm = solved.last().map(|(result, _)| result);
+                let result = at.solve_torque(case.torque, case.misalignment, warm)?;
+                let sliding =
+                    [even, solver.friction()].map(|law| solver.sliding(&at, &result, &law));
+                solved.push((result, sliding));
+                let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(count as f64 / (n * cases.len()) as f64);
+            }
+            Ok(solved)
+        };
+        let solved = mesh_position.par_iter().map(solve);
+        let solved = solved.collect::<Result<Vec<_>, ContactError>>()?;
+        let empty = MeshCycle {
+            mesh_position,
+            solve_seconds: begin.elapsed().as_secs_f64() / cases.len().max(1) as f64,
             ..MeshCycle::default()
         };
-        let mut cycles: Vec<MeshCycle> = cases.iter().map(cycle).collect();
+        let mut cycles = vec![empty; cases.len()];
         for position in solved {
-            for (cycle, (result, sliding, friction)) in cycles.iter_mut().zip(position) {
+            for (cycle, (result, [sliding, friction])) in cycles.iter_mut().zip(position) {
                 cycle.results.push(result);
                 cycle.sliding.push(sliding);
                 cycle.friction.push(friction);
@@ -158,11 +154,10 @@ impl MeshCycle {
     pub fn note_on_segments(&self) -> Option<String> {
         let mut fewest = ENOUGH_SEGMENTS;
         let mut values = Vec::new();
-        let pressure = |segment: &SegmentLoad| segment.pressure;
+        let pressure: fn(&SegmentLoad) -> f64 = |segment| segment.pressure;
         let edge = |segment: &SegmentLoad| segment.edge.map_or(0.0, |edge| edge.line_load);
-        type Quantity = fn(&SegmentLoad) -> f64;
         for (value, name) in [
-            (pressure as Quantity, "the largest flank pressure"),
+            (pressure, "the largest flank pressure"),
             (edge, "the largest line load at a tip edge"),
         ] {
             let lines = self.results.iter().map(|result| &result.segments);
@@ -216,20 +211,20 @@ impl MeshCycle {
     /// Load along the common face in the stations of `solver`.
     pub fn face_load(&self, solver: &ContactSolver) -> FaceLoad {
         let (low, width) = solver.geometry().face_overlap();
-        let ends = [low, low + width];
         // Turns normal forces into those in the transverse plane.
         let cos_base_helix = solver.geometry().base_helix_angle().cos();
         let stations = solver.settings().stations;
-        let step = (ends[1] - ends[0]) / stations as f64;
+        let high = low + width;
+        let step = (high - low) / stations as f64;
         let mut load = vec![0.0; stations];
         for segment in self.results.iter().flat_map(|result| &result.segments) {
             let middle = 0.5 * (segment.z[0] + segment.z[1]);
-            let station = (middle - ends[0]) / step;
+            let station = (middle - low) / step;
             load[(station as usize).min(stations - 1)] += segment.force * cos_base_helix;
         }
         let per_width = step * self.results.len() as f64;
         load.iter_mut().for_each(|load| *load /= per_width);
-        let middle = |i| ends[0] + step * (i as f64 + 0.5);
+        let middle = |i| low + step * (i as f64 + 0.5);
         let z = (0..stations).map(middle).collect();
         FaceLoad { z, load }
     }

@@ -29,10 +29,9 @@ pub fn condensed_flank(
     flank: Flank,
     offsets: &[f64],
 ) -> Result<CondensedFlank, ContactError> {
-    let nodes = CondensedFlank::grid(offsets)
-        .into_par_iter()
-        .map(|place| solver.node(flank, place))
-        .collect::<Result<Vec<_>, _>>()?;
+    let places = CondensedFlank::grid(offsets).into_par_iter();
+    let nodes = places.map(|place| solver.node(flank, place));
+    let nodes = nodes.collect::<Result<Vec<_>, _>>()?;
     let (stations, shares) = (solver.settings().stations, solver.tooth_shares(flank)?);
     Ok(CondensedFlank::from_nodes(
         stations, shares, offsets, &nodes,

@@ -65,8 +65,8 @@ pub struct PositionRoots<'a> {
 impl<'a> PositionRoots<'a> {
     /// Of all segments of `problem`; `models` are those of gear 1 and gear 2 for its flank.
     pub fn new(problem: &PositionProblem, models: &'a [Arc<RootStress>; 2]) -> Self {
-        let offset = problem.center_distance_offset();
-        Self::of_segments(problem.seen_by_gears(), offset, models)
+        let offset = problem.center_distance_offset;
+        Self::of_segments(&problem.seen, offset, models)
     }
 
     fn of_segments(
@@ -91,7 +91,7 @@ impl<'a> PositionRoots<'a> {
     ) -> Result<RootField<'_>, ContactError> {
         let tooth = [tooth_pair, -tooth_pair][i];
         let forces: Vec<f64> = loads.iter().map(|segment| segment.force).collect();
-        let field = self.models[i].of_tooth_under(tooth, &self.segments[i], &forces);
+        let field = self.models[i].of_tooth(tooth, &self.segments[i], &forces);
         field.map_err(|model| ContactError::BeyondModel {
             center_distance_offset: self.center_distance_offset,
             model,
@@ -135,20 +135,17 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let roots: Vec<PositionRoots> = (self.results.par_iter())
-            .map(|result| {
-                let seen: Vec<_> = result.segments.iter().map(|segment| segment.seen).collect();
-                PositionRoots::of_segments(&seen, input.center_distance_offset, models)
-            })
-            .collect();
+        let roots = self.results.par_iter().map(|result| {
+            let seen: Vec<_> = result.segments.iter().map(|segment| segment.seen).collect();
+            PositionRoots::of_segments(&seen, input.center_distance_offset, models)
+        });
+        let roots: Vec<PositionRoots> = roots.collect();
         let results = self.results.iter().enumerate();
-        let teeth: Vec<(usize, i32)> = results
-            .flat_map(|(position, result)| {
-                under_load(result)
-                    .into_iter()
-                    .map(move |pair| (position, pair))
-            })
-            .collect();
+        let teeth = results.flat_map(|(position, result)| {
+            let pairs = under_load(result).into_iter();
+            pairs.map(move |pair| (position, pair))
+        });
+        let teeth: Vec<(usize, i32)> = teeth.collect();
         let geometry = &solver.setup().geometry;
         let of_gear = |i: usize| -> Result<GearRoots, ContactError> {
             let field = |(position, tooth_pair): (usize, i32)| {
@@ -166,19 +163,18 @@ impl MeshCycle {
                     ..point
                 }
             };
-            let teeth = (teeth.par_iter())
-                .map(|&(position, tooth_pair)| {
-                    let field = field((position, tooth_pair))?;
-                    Ok(ToothRoot {
-                        position,
-                        tooth_pair,
-                        largest: placed(field.largest()),
-                        at_tangent: field.at_tangent().map(placed),
-                    })
+            let root = |&(position, tooth_pair): &(usize, i32)| {
+                let field = field((position, tooth_pair))?;
+                Ok(ToothRoot {
+                    position,
+                    tooth_pair,
+                    largest: placed(field.largest()),
+                    at_tangent: field.at_tangent().map(placed),
                 })
-                .collect::<Result<Vec<ToothRoot>, ContactError>>()?;
+            };
+            let roots: Result<Vec<ToothRoot>, ContactError> = teeth.par_iter().map(root).collect();
             let mut found = GearRoots {
-                teeth,
+                teeth: roots?,
                 field: Vec::new(),
             };
             if let Some(tooth) = found.largest() {

@@ -1,8 +1,8 @@
 //! Computed models kept in files of one folder of bounded size.
 //!
-//! The key of a model is the SHA-256 of what it is computed from: the mesh of the section and its layers, material and number of
-//! teeth, how many of them are asked for, and the version of the code. So every setting and constant that shapes section and
-//! layers shapes its key without a list to keep; for what is done with them [`VERSION`] stands.
+//! The key of a model is the SHA-256 of what it is computed from: the mesh of the section and its layers, material, number and
+//! reach of teeth, and the version of the code. So every constant that shapes section and layers shapes its key; for what is
+//! done with them [`VERSION`] stands.
 //!
 //! A file ([`gearmesh::sealed`]) holds label, key and body. One that is cut, altered or of another version is recomputed and
 //! replaced, with a note; it never gives a result. When a new model does not fit, the least recently used ones go.
@@ -50,8 +50,10 @@ pub enum Origin {
 /// A folder of models, and how large it may become.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelCache {
-    directory: PathBuf,
-    limit: u64,
+    /// The folder, created with the first model.
+    pub directory: PathBuf,
+    /// Largest size of all models together, bytes.
+    pub limit: u64,
 }
 
 /// One model in a [`ModelCache`].
@@ -71,22 +73,12 @@ impl ModelCache {
     /// Largest size unless another is asked for, bytes: some dozens of pairs.
     pub const DEFAULT_LIMIT: u64 = 1_000_000_000;
 
-    /// The models in `directory`, `limit` bytes at most; the folder is created with the first model.
+    /// The models in `directory`, `limit` bytes at most.
     pub fn new(directory: impl Into<PathBuf>, limit: u64) -> ModelCache {
         ModelCache {
             directory: directory.into(),
             limit,
         }
-    }
-
-    /// The folder.
-    pub fn directory(&self) -> &Path {
-        &self.directory
-    }
-
-    /// Largest size of all models together, bytes.
-    pub fn limit(&self) -> u64 {
-        self.limit
     }
 
     /// All models, the least recently used first; none if there is no folder. A file that does not begin as one is none.
@@ -127,9 +119,8 @@ impl ModelCache {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
             entries => entries?,
         };
-        let mut paths: Vec<PathBuf> = entries
-            .map(|entry| Ok(entry?.path()))
-            .collect::<io::Result<_>>()?;
+        let paths = entries.map(|entry| Ok(entry?.path()));
+        let mut paths = paths.collect::<io::Result<Vec<_>>>()?;
         paths.retain(|path| path.extension().is_some_and(|ending| ending == ENDING));
         Ok(paths)
     }
@@ -244,9 +235,8 @@ fn key(model: &Model, what: &str) -> [u8; 32] {
 /// What `bytes` of a file with this `key` hold.
 fn read<T: Stored>(bytes: &[u8], key: &[u8]) -> Result<T, &'static str> {
     let contents = sealed::open(MAGIC, bytes)?;
-    let keyed = contents
-        .get(LABEL..)
-        .and_then(|rest| rest.strip_prefix(key));
+    let rest = contents.get(LABEL..);
+    let keyed = rest.and_then(|rest| rest.strip_prefix(key));
     let body = keyed.ok_or("it belongs to another gear or other settings")?;
     T::decode(body).ok_or("it was cut or altered")
 }

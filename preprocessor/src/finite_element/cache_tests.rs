@@ -20,7 +20,7 @@ fn cache(directory: &Path) -> ModelCache {
 }
 
 fn get(gear: &Gear, cache: &ModelCache) -> (FiniteElementCompliance, Origin) {
-    FiniteElementCompliance::cached(gear, &settings(), Some(cache), &|_, _| true).unwrap()
+    FiniteElementCompliance::new(gear, &settings(), Some(cache), &|_, _| true).unwrap()
 }
 
 fn bulk(model: &FiniteElementCompliance) -> DMatrix<f64> {
@@ -119,7 +119,7 @@ fn a_solid_model_takes_a_third_of_its_numbers() {
     narrow.face_width = 4.0 * narrow.normal_module;
     let cache = cache(directory.path());
     let (model, _) =
-        FiniteElementCompliance::cached(&narrow, &solid, Some(&cache), &|_, _| true).unwrap();
+        FiniteElementCompliance::new(&narrow, &solid, Some(&cache), &|_, _| true).unwrap();
     let numbers = 5 * model.grid.len().pow(2);
     let bytes = cache.models().unwrap()[0].bytes as usize;
     assert!(bytes < 8 * numbers / 3, "{bytes} bytes for {numbers}");

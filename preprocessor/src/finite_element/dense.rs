@@ -64,16 +64,16 @@ fn factor_block<const W: usize>(mut a: DMatrixViewMut<'_, f64>) -> Result<(), Fi
         let (mut own, mut later) = a.columns_range_pair_mut(W * j..W * (j + 1), W * (j + 1)..);
         own.rows_range_mut(j..).scale_mut(pivot.sqrt().recip());
         for k in j + 1..n {
-            let conjugate = |of: usize, part: usize| match (of, part) {
-                (0, 1) => -own[(k, 1)],
-                (1, 1) => own[(k, 0)],
-                _ => own[(k, of)],
-            };
             for part in 0..W {
                 let mut column = later.column_mut(W * (k - j - 1) + part);
                 for of in 0..W {
-                    let factor = -conjugate(of, part);
-                    (column.rows_range_mut(k..)).axpy(factor, &own.column(of).rows_range(k..), 1.0);
+                    let conjugate = match (of, part) {
+                        (0, 1) => -own[(k, 1)],
+                        (1, 1) => own[(k, 0)],
+                        _ => own[(k, of)],
+                    };
+                    let mut below = column.rows_range_mut(k..);
+                    below.axpy(-conjugate, &own.column(of).rows_range(k..), 1.0);
                 }
             }
         }

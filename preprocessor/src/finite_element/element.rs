@@ -1,8 +1,7 @@
 //! Serendipity elements: the 8-node quadrilateral and the 20-node hexahedron.
 //!
-//! Both follow one formula (Zienkiewicz, Taylor, The Finite Element Method, vol. 1, section 8.7): a
-//! node is given by its local coordinates c in {-1, 0, 1}^d; a corner has no zero among them, a
-//! mid-edge node exactly one.
+//! Both follow one formula (Zienkiewicz, Taylor, The Finite Element Method, vol. 1, section 8.7): a node is given by its
+//! local coordinates c in {-1, 0, 1}^d; a corner has no zero among them, a mid-edge node exactly one.
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
@@ -18,8 +17,7 @@ pub(super) const QUAD8: [[f64; 3]; 8] = [
     [-1.0, 0.0, 0.0],
 ];
 
-/// Local coordinates of the nodes of the 20-node hexahedron: the quadrilateral's nodes at
-/// zeta = -1, the same at zeta = +1, then the four mid-edges along zeta.
+/// The same of the 20-node hexahedron: those of the quadrilateral at zeta = -1 and at +1, then the four mid-edges along zeta.
 pub(super) const HEX20: [[f64; 3]; 20] = {
     let mut nodes = [[0.0; 3]; 20];
     let mut i = 0;
@@ -40,12 +38,6 @@ pub(super) const GAUSS3: [(f64, f64); 3] = [
     (0.0, 8.0 / 9.0),
     (0.774_596_669_241_483_4, 5.0 / 9.0),
 ];
-
-/// Lamé's constants lambda and mu of `material`: Young's modulus, Pa, and Poisson ratio.
-fn lame([youngs_modulus, poisson_ratio]: [f64; 2]) -> (f64, f64) {
-    let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
-    (2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio), mu)
-}
 
 /// Value of the shape function of the node at `c`, and its gradient in local coordinates, at `xi`.
 pub(super) fn shape(dimension: usize, c: &[f64; 3], xi: &[f64; 3]) -> (f64, [f64; 3]) {
@@ -117,45 +109,40 @@ fn gauss(axis: usize, dimension: usize) -> &'static [(f64, f64)] {
 
 /// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid).
 pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
-    let (dimension, _) = kind(x.len());
+    let (dimension, nodes) = kind(x.len());
+    let point = |at: [f64; 3], weight: f64| {
+        let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, &at)).collect();
+        // dx_j / dxi_i; a plane element is one unit deep.
+        let (_, mut tangents) = place_and_tangents(&shapes, x);
+        if dimension == 2 {
+            tangents[2] = Vector3::z();
+        }
+        let j = Matrix3::from_columns(&tangents).transpose();
+        let jacobian = j.determinant();
+        let inverse = j.try_inverse().unwrap_or_default();
+        let in_space = |(_, gradient)| (inverse * Vector3::from(gradient)).into();
+        IntegrationPoint {
+            gradient: shapes.into_iter().map(in_space).collect(),
+            jacobian,
+            volume: jacobian * weight,
+        }
+    };
     let mut points = Vec::with_capacity(27);
     for &(zeta, w2) in gauss(2, dimension) {
         for &(eta, w1) in &GAUSS3 {
-            for &(xi, w0) in &GAUSS3 {
-                points.push(integration_point(x, &[xi, eta, zeta], w0 * w1 * w2));
-            }
+            points.extend(GAUSS3.map(|(xi, w0)| point([xi, eta, zeta], w0 * w1 * w2)));
         }
     }
     points
-}
-
-fn integration_point(x: &[[f64; 3]], xi: &[f64; 3], weight: f64) -> IntegrationPoint {
-    let (dimension, nodes) = kind(x.len());
-    let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, xi)).collect();
-    // dx_j / dxi_i; a plane element is one unit deep.
-    let (_, mut tangents) = place_and_tangents(&shapes, x);
-    if dimension == 2 {
-        tangents[2] = Vector3::z();
-    }
-    let j = Matrix3::from_columns(&tangents).transpose();
-    let jacobian = j.determinant();
-    let inverse = j.try_inverse().unwrap_or_default();
-    let in_space = |gradient: &[f64; 3]| (inverse * Vector3::from(*gradient)).into();
-    IntegrationPoint {
-        gradient: shapes
-            .iter()
-            .map(|(_, gradient)| in_space(gradient))
-            .collect(),
-        jacobian,
-        volume: jacobian * weight,
-    }
 }
 
 /// Stiffness matrix of an element of `material` (Young's modulus, Pa, and Poisson ratio), N/m (plane strain: N/m per metre of
 /// depth), `dimension` displacements per node; `x` as in [`integration_points`].
 pub(super) fn stiffness(x: &[[f64; 3]], material: [f64; 2]) -> DMatrix<f64> {
     let (dimension, _) = kind(x.len());
-    let (lambda, mu) = lame(material);
+    let [youngs_modulus, poisson_ratio] = material;
+    let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
+    let lambda = 2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio);
     let size = dimension * x.len();
     let mut k = vec![0.0; size * size];
     for point in integration_points(x) {
@@ -269,7 +256,7 @@ mod tests {
 
     #[test]
     fn a_distorted_element_stores_the_energy_of_an_even_strain_and_none_of_a_rotation() {
-        let (lambda, mu) = lame([1.0, 0.3]);
+        let (lambda, mu) = (0.3 / (1.3 * 0.4), 0.5 / 1.3);
         let x = HEX20.map(|c| {
             [
                 c[0] + 0.1 * c[1] + 0.05 * c[0] * c[1],

@@ -32,13 +32,9 @@ impl FlankGrid {
         stations: &[f64],
         half_width: f64,
     ) -> FlankGrid {
+        let corners = section.flank.iter().step_by(2);
         FlankGrid {
-            arcs: section
-                .flank
-                .iter()
-                .step_by(2)
-                .map(|(_, arc)| *arc)
-                .collect(),
+            arcs: corners.map(|(_, arc)| *arc).collect(),
             stations: stations.to_vec(),
             form_roll: outline.form_roll,
             arc_per_roll_squared: outline.kappa / (2.0 * outline.base_radius),
@@ -51,15 +47,6 @@ impl FlankGrid {
         (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
     }
 
-    pub fn thickest_layer(&self) -> f64 {
-        let layers = self.stations.windows(2).map(|ends| ends[1] - ends[0]);
-        layers.fold(0.0, f64::max)
-    }
-
-    pub fn arc(&self, roll: f64) -> f64 {
-        self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
-    }
-
     /// Length of roll at both ends of the involute, m.
     pub fn rolls(&self) -> [f64; 2] {
         let last = self.arcs[self.arcs.len() - 1] / self.arc_per_roll_squared;
@@ -68,7 +55,7 @@ impl FlankGrid {
 
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
-        let arc = self.arc(roll);
+        let arc = self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll);
         // Not wider than the distance to the tip edge, so that the load stays where it acts, as far as the elements there resolve it.
         let least = self.edge_half_width().min(self.kernel_half_width);
         let half_width = (edges[1] - arc).clamp(least, self.kernel_half_width);
@@ -86,8 +73,8 @@ impl FlankGrid {
     }
 
     pub fn reference_length(&self, segment: &Segment) -> f64 {
-        self.kernel(0.5 * (segment.roll[0] + segment.roll[1]))
-            .reference_length()
+        let middle = 0.5 * (segment.roll[0] + segment.roll[1]);
+        self.kernel(middle).reference_length()
     }
 
     pub fn weights(&self, segment: &Segment) -> Weights {
@@ -128,7 +115,7 @@ impl FlankGrid {
 }
 
 /// Nodes of the face of one `element` along the profile and one `layer`, with their local coordinates (xi along the profile, zeta along
-/// the face), in the numbering of [`super::mesh::Mesh::flank`] and `fillet`: planes of all nodes alternate with planes of corners
+/// the face), in the numbering of the `loads` and the `fillet` of a mesh: planes of all nodes alternate with planes of corners
 /// alone. A surface that is `elements` long; of a `plane` model the line zeta = -1.
 pub(super) fn face_nodes(
     elements: usize,
@@ -160,14 +147,12 @@ fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
     }
     let cell = |x: f64| ends.partition_point(|end| *end <= x).clamp(1, count) - 1;
     let (first, last) = (cell(range[0]), cell(range[1]));
-    (first..=last)
-        .map(|i| {
-            let low = if i == first { range[0] } else { ends[i] };
-            let high = if i == last { range[1] } else { ends[i + 1] };
-            (i, low, high)
-        })
-        .filter(|(_, low, high)| high > low)
-        .collect()
+    let part = |i: usize| {
+        let low = if i == first { range[0] } else { ends[i] };
+        let high = if i == last { range[1] } else { ends[i + 1] };
+        (high > low).then_some((i, low, high))
+    };
+    (first..=last).filter_map(part).collect()
 }
 
 /// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
@@ -201,12 +186,10 @@ const GAUSS5: [(f64, f64); 5] = [
 ];
 
 impl Kernel {
-    /// Kernel for a line at the arc length `line` of a flank from `flank[0]` to `flank[1]`, m; a line
-    /// beyond an edge is taken at that edge.
+    /// Kernel for a line at the arc length `line` of a flank from `flank[0]` to `flank[1]`, m; beyond an edge as at that edge.
     ///
-    /// Near the tip edge the part beyond it is missing. So that the load does not move away from the
-    /// edge with it, the kernel's middle is moved towards the edge until its centre of mass lies on the
-    /// line; half of the kernel always stays.
+    /// Near the tip edge the part beyond it is missing. So that the load does not move away from the edge with it, the kernel's
+    /// middle is moved towards the edge until its centre of mass lies on the line; half of the kernel always stays.
     pub fn new(half_width: f64, line: f64, flank: [f64; 2]) -> Kernel {
         let line = line.clamp(flank[0], flank[1]);
         let room = (flank[1] - line) / half_width;
@@ -261,14 +244,11 @@ impl Kernel {
     /// int phi(x) phi(x + t) dx over the support, in units of the half-width; degree 8, so exact.
     fn autocorrelation(&self, t: f64) -> f64 {
         let length = self.high - self.low - t;
-        GAUSS5
-            .iter()
-            .map(|(x, weight)| {
-                let at = self.low + length * x;
-                weight * length * bump(at) * bump(at + t)
-            })
-            .sum::<f64>()
-            / (self.mass * self.mass)
+        let parts = GAUSS5.iter().map(|(x, weight)| {
+            let at = self.low + length * x;
+            weight * length * bump(at) * bump(at + t)
+        });
+        parts.sum::<f64>() / (self.mass * self.mass)
     }
 }
 

@@ -60,20 +60,11 @@ pub struct FiniteElementCompliance {
 }
 
 impl FiniteElementCompliance {
-    /// Computes the model of `gear`; microgeometry plays no part.
+    /// Computes the model of `gear`, or reads it from `cache` if there is one; microgeometry plays no part.
     ///
     /// # Errors
-    /// [`FiniteElementError`]: no usable tooth, too thin a rim, memory, or cancelled by `progress`.
+    /// [`FiniteElementError`]: no usable tooth, memory, or cancelled by `progress`.
     pub fn new(
-        gear: &Gear,
-        settings: &Settings,
-        progress: &Progress<'_>,
-    ) -> Result<Self, FiniteElementError> {
-        Ok(Self::cached(gear, settings, None, progress)?.0)
-    }
-
-    /// As [`FiniteElementCompliance::new`], by way of `cache` if there is one.
-    fn cached(
         gear: &Gear,
         settings: &Settings,
         cache: Option<&ModelCache>,
@@ -104,11 +95,6 @@ impl FiniteElementCompliance {
         Ok((model, origin))
     }
 
-    /// Largest difference of tooth numbers that [`ToothCompliance::bulk`] accepts.
-    pub fn reach(&self) -> usize {
-        self.influence.teeth() - 1
-    }
-
     /// Factor of the influence of two segments on each other beyond that of their weights.
     fn slice_factor(&self, a: &Segment, b: &Segment) -> f64 {
         if !self.plane_strain {
@@ -128,7 +114,7 @@ impl ToothCompliance for FiniteElementCompliance {
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
         let teeth = || segments.iter().map(|s| s.tooth);
         let (first, last) = (teeth().min().unwrap_or(0), teeth().max().unwrap_or(0));
-        let (distance, reach) = (last.abs_diff(first) as usize, self.reach());
+        let (distance, reach) = (last.abs_diff(first) as usize, self.influence.teeth() - 1);
         if distance > reach {
             return Err(BeyondModel { distance, reach });
         }
@@ -164,15 +150,12 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 
     fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
-        segments
-            .iter()
-            .map(|s| self.grid.reference_length(s))
-            .collect()
+        let length = |segment| self.grid.reference_length(segment);
+        segments.iter().map(length).collect()
     }
 
     fn turned(&self) -> Option<&dyn ToothCompliance> {
-        let turned: &dyn ToothCompliance = self.turned.as_deref()?;
-        Some(turned)
+        Some(self.turned.as_deref()?)
     }
 
     fn corner_resolution(&self) -> f64 {
@@ -180,7 +163,8 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 
     fn lengthwise_resolution(&self) -> f64 {
-        self.grid.thickest_layer()
+        let layers = self.grid.stations.windows(2).map(|ends| ends[1] - ends[0]);
+        layers.fold(0.0, f64::max)
     }
 }
 
@@ -348,7 +332,7 @@ impl PairCompliance {
         progress: &PairProgress<'_>,
     ) -> Result<PairCompliance, FiniteElementError> {
         let models = both(&pair.gears, progress, |gear, progress| {
-            FiniteElementCompliance::cached(gear, settings, cache, progress)
+            FiniteElementCompliance::new(gear, settings, cache, progress)
         })?;
         let [(first, first_origin), (second, second_origin)] = models;
         Ok(PairCompliance {
@@ -378,7 +362,7 @@ pub fn pair_root_stress(
         turned.unwrap_or_else(|| pair.gears[i].clone())
     });
     both(&gears, progress, |gear, progress| {
-        RootStress::cached(gear, &settings, cache, progress)
+        RootStress::new(gear, &settings, cache, progress)
     })
 }
 

@@ -67,20 +67,9 @@ impl Model {
 
     /// Everything that the mesh, its stiffness and what is asked of it depend on, in words.
     pub fn identity(&self) -> String {
-        let Gear {
-            teeth,
-            youngs_modulus,
-            poisson_ratio,
-            foundation,
-            ..
-        } = self.gear;
-        let gear = (teeth, [youngs_modulus, poisson_ratio], foundation);
-        let mesh = (
-            twist(&self.gear),
-            &self.outline,
-            &self.section,
-            &self.layers,
-        );
+        let g = &self.gear;
+        let gear = (g.teeth, [g.youngs_modulus, g.poisson_ratio], g.foundation);
+        let mesh = (twist(g), &self.outline, &self.section, &self.layers);
         format!("{:?}", (self.reach, gear, mesh))
     }
 
@@ -123,21 +112,19 @@ impl Model {
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
         }
-        let sector = condense(mesh, columns, loads, &|share| {
-            progress(Stage::Condensation, share)
-        })?;
+        let condensing = |share| progress(Stage::Condensation, share);
+        let sector = condense(mesh, columns, loads, &condensing)?;
         let teeth = self.gear.teeth;
         let solved = ring::solved(teeth as usize, *sectors.end() as usize);
-        ring::response(&sector, teeth, sectors, &solved, &|share| {
-            progress(Stage::Ring, share)
-        })
+        let closing = |share| progress(Stage::Ring, share);
+        ring::response(&sector, teeth, sectors, &solved, &closing)
     }
 }
 
 /// How many displacements of one sector of `gear` are free.
 ///
 /// # Errors
-/// As [`super::FiniteElementCompliance::new`]: no usable tooth, too thin a rim.
+/// As [`super::FiniteElementCompliance::new`]: no usable tooth.
 pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
     let mesh = Model::new(gear, settings)?.mesh();
     let free = mesh.held.iter().filter(|held| !**held).count();
@@ -178,17 +165,13 @@ pub fn centre_line_compliance(
     let direction = angle + std::f64::consts::FRAC_PI_2 - pressure_angle;
     let crossing = gear.base_radius() / direction.sin();
     let observed = shape_functions_at(&mesh, crossing)
-        .ok_or(FiniteElementError::NoCrossing(1e3 * crossing))?
-        .into_iter()
-        .flat_map(|(node, n)| {
-            // Components in the node's own axes.
-            let turned = direction - mesh.angles[node];
-            [
-                (2 * node, n * turned.cos()),
-                (2 * node + 1, n * turned.sin()),
-            ]
-        })
-        .collect();
+        .ok_or(FiniteElementError::NoCrossing(1e3 * crossing))?;
+    // Components in the node's own axes.
+    let components = |(node, n): (usize, f64)| {
+        let (sin, cos) = (direction - mesh.angles[node]).sin_cos();
+        [(2 * node, n * cos), (2 * node + 1, n * sin)]
+    };
+    let observed = observed.into_iter().flat_map(components).collect();
     let influence = model.response(&mesh, &[load, observed], 2, 0..=0, &|_, _| true)?;
     Ok(influence[0][(1, 0)])
 }
@@ -205,10 +188,8 @@ fn shape_functions_at(mesh: &Mesh, x: f64) -> Option<Vec<(usize, f64)>> {
             xi -= jacobian.try_inverse()? * (place.xy() - Vector2::new(x, 0.0));
             xi = xi.map(|v| v.clamp(-2.0, 2.0));
         }
-        let weights = nodes
-            .iter()
-            .zip(shapes(xi))
-            .map(|(node, (n, _))| (*node, n));
+        let shapes = nodes.iter().zip(shapes(xi));
+        let weights = shapes.map(|(node, (n, _))| (*node, n));
         (xi.amax() <= 1.0 + 1e-9).then(|| weights.collect())
     })
 }

@@ -89,8 +89,12 @@ fn of_modes(
     let few = modes.ncols();
     let matrices = solved.first().map_or(0, |s| s.weights.len());
     let mut ring = vec![DMatrix::<f64>::zeros(few, few); matrices];
+    // Harmonics are solved at once, each on a thread of its own, which a single factorization does not keep busy; they take no more
+    // memory than the sector's elimination took.
+    let of_one = sector.sides.nrows().pow(2);
+    let at_once = rayon::current_num_threads().clamp(1, (sector.numbers / of_one.max(1)).max(1));
     let mut done = 0;
-    for batch in solved.chunks(at_once(sector)) {
+    for batch in solved.chunks(at_once) {
         let found: Result<Vec<_>, _> = (batch.par_iter())
             .map(|s| 2.0 * PI * s.harmonic as f64 / f64::from(teeth))
             .map(|phi| of_harmonic(sector, modes, phi))
@@ -115,14 +119,6 @@ fn of_modes(
         }
     }
     Ok(ring)
-}
-
-/// How many harmonics are solved at once, each on a thread of its own: which keeps all of them busy, as a single
-/// factorization does not. They take no more memory than the sector's elimination took.
-fn at_once(sector: &CondensedSector) -> usize {
-    let side = sector.sides.nrows() / 2;
-    let of_one = 2 * 2 * side * side;
-    rayon::current_num_threads().clamp(1, (sector.numbers / of_one.max(1)).max(1))
 }
 
 /// q^H K^-1 q of the forces `modes` on the sides in the harmonic of the phase `phi`: the lower triangle, each column a real and an
@@ -346,9 +342,8 @@ impl Places {
                     }
                 }
                 let scale = parts(n)[0];
-                worst = worst
-                    .max(error[0].abs() / scale)
-                    .max(error[1].abs() / scale);
+                let errors = error.map(|error| error.abs() / scale);
+                worst = errors.into_iter().fold(worst, f64::max);
             }
             if worst.is_nan() || worst > TOLERANCE {
                 return f64::INFINITY;

@@ -1,15 +1,13 @@
 //! Stress in the tooth root as a linear map from the loads on segments of the flanks.
 //!
-//! A model of its own beside [`super::FiniteElementCompliance`]: the same elements, condensation and ring, refined along
-//! the fillet and coarser on the flank, whose loads the root feels by their resultants. The stress at the points of the
-//! fillet are functionals of the displacement; carried along as columns beside the loads they give the map without a
-//! backward solution (reciprocity).
+//! The same elements, condensation and ring as for compliance, refined along the fillet and coarser on the flank, whose
+//! loads the root feels by their resultants. The stresses at the points of the fillet are functionals of the displacement;
+//! carried along as columns beside the loads they give the map without a backward solution (reciprocity).
 //!
-//! Nothing acts on the fillet, so that the stress there lies in its tangent plane and follows from the strain in
-//! that plane alone (plane stress). Strains are taken at the two Gauss points of every element along the profile, where the
-//! derivatives of quadratic displacements converge fastest (Zienkiewicz, Taylor, The Finite Element Method,
-//! vol. 1, section 14.2), in the middle of every layer, and at both faces by the straight line through the
-//! Gauss points of the outermost layers.
+//! Nothing acts on the fillet, so that the stress there is plane and follows from the strain in the tangent plane. Strains
+//! are taken at the two Gauss points of every element along the profile, where the derivatives of quadratic displacements
+//! converge fastest (Zienkiewicz, Taylor, The Finite Element Method, vol. 1, section 14.2), in the middle of every layer,
+//! and at both faces by the straight line through the Gauss points of the outermost layers.
 
 use super::cache::{Stored, get};
 use super::element::{place_and_tangents, shape};
@@ -28,6 +26,7 @@ pub struct RootStress {
     loads: FlankGrid,
     fillet: Fillet,
     map: Map,
+    /// Largest difference of tooth numbers between a load and a root.
     reach: usize,
 }
 
@@ -88,20 +87,11 @@ pub(super) const LARGEST: f64 = 32_000.0;
 const KERNEL_OVER_ELEMENT: f64 = 1.25;
 
 impl RootStress {
-    /// Computes the map of `gear`; `settings` from [`Settings::for_root_stress`].
+    /// Computes the map of `gear`, or reads it from `cache` if there is one; `settings` from [`Settings::for_root_stress`].
     ///
     /// # Errors
     /// As [`super::FiniteElementCompliance::new`].
     pub fn new(
-        gear: &Gear,
-        settings: &Settings,
-        progress: &Progress<'_>,
-    ) -> Result<Self, FiniteElementError> {
-        Ok(Self::cached(gear, settings, None, progress)?.0)
-    }
-
-    /// As [`RootStress::new`], by way of `cache` if there is one.
-    pub(super) fn cached(
         gear: &Gear,
         settings: &Settings,
         cache: Option<&ModelCache>,
@@ -122,38 +112,20 @@ impl RootStress {
         Ok((found, origin))
     }
 
-    /// Largest difference of tooth numbers between a load and a root.
-    pub fn reach(&self) -> usize {
-        self.reach
-    }
-
-    /// Stress in the root of `tooth` under normal forces, N, on segments of this gear (plane strain: N per m of face).
-    ///
-    /// # Errors
-    /// [`BeyondModel`] for a loaded segment farther away than [`RootStress::reach`].
-    pub fn of_tooth(
-        &self,
-        tooth: i32,
-        loads: &[(Segment, f64)],
-    ) -> Result<RootField<'_>, BeyondModel> {
-        let (segments, forces): (Vec<Segment>, Vec<f64>) = loads.iter().copied().unzip();
-        self.of_tooth_under(tooth, &self.spread(&segments), &forces)
-    }
-
-    /// Segments of this gear, ready for [`RootStress::of_tooth_under`] any forces.
+    /// Segments of this gear, ready for [`RootStress::of_tooth`] under any forces.
     pub fn spread(&self, segments: &[Segment]) -> SpreadSegments {
         let spread = |segment: &Segment| (*segment, self.loads.weights(segment));
         SpreadSegments(segments.iter().map(spread).collect())
     }
 
-    /// As [`RootStress::of_tooth`], under the normal forces `loads`, N, on `segments`.
+    /// Stress in the root of `tooth` under the normal forces `loads`, N, on `segments` (plane strain: N per m of face).
     ///
     /// # Errors
-    /// As there.
+    /// [`BeyondModel`] for a loaded segment on a tooth farther away than [`Settings::reach`].
     ///
     /// # Panics
     /// With another number of loads than of segments.
-    pub fn of_tooth_under(
+    pub fn of_tooth(
         &self,
         tooth: i32,
         segments: &SpreadSegments,
@@ -236,10 +208,8 @@ impl Map {
         stress: &[LoadColumn],
         progress: &Progress<'_>,
     ) -> Result<Map, FiniteElementError> {
-        let mut columns = mesh.loads.clone();
-        let loads = columns.len();
-        columns.extend_from_slice(stress);
-        let reach = model.reach as i32;
+        let columns = [&mesh.loads[..], stress].concat();
+        let (loads, reach) = (mesh.loads.len(), model.reach as i32);
         let response = model.response(mesh, &columns, loads, -reach..=reach, progress)?;
         let (mut entries, mut units) = (Vec::new(), Vec::new());
         for column in response.iter().flat_map(|tooth| tooth.column_iter()) {
@@ -298,8 +268,7 @@ struct FacePoint {
     stress: [LoadColumn; COMPONENTS],
 }
 
-/// Points on the fillet of `model` with its `mesh`, and the stress at each: all of a place along the face one after the other, the [`COMPONENTS`]
-/// of a point together.
+/// Points on the fillet, and the stress at each: those of a place along the face in a row, [`COMPONENTS`] of a point together.
 fn points(model: &Model, mesh: &Mesh) -> (Fillet, Vec<LoadColumn>) {
     let fillet = &model.section.fillet;
     let mut grid = Fillet {

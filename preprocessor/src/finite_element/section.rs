@@ -93,14 +93,11 @@ impl Outline {
     }
 
     fn involute(&self, arc: f64) -> Polar {
-        let roll_squared =
-            self.form_roll * self.form_roll + self.kappa * 2.0 * self.base_radius * arc;
-        let roll = roll_squared.max(0.0).sqrt();
-        let tangent = roll / self.base_radius;
-        [
-            roll.hypot(self.base_radius),
-            self.base_half_angle - self.kappa * (tangent - tangent.atan()),
-        ]
+        let (rb, form) = (self.base_radius, self.form_roll);
+        let roll = (form * form + self.kappa * 2.0 * rb * arc).max(0.0).sqrt();
+        let tangent = roll / rb;
+        let angle = self.base_half_angle - self.kappa * (tangent - tangent.atan());
+        [roll.hypot(rb), angle]
     }
 
     /// Point at the arc length `arc`, m, between the middle of the space and the tip.
@@ -119,9 +116,8 @@ impl Outline {
     pub fn normal(&self, arc: f64) -> [f64; 2] {
         if arc >= 0.0 {
             let [radius, _] = self.involute(arc);
-            let roll = ((radius - self.base_radius) * (radius + self.base_radius))
-                .max(0.0)
-                .sqrt();
+            let squared = (radius - self.base_radius) * (radius + self.base_radius);
+            let roll = squared.max(0.0).sqrt();
             return [self.kappa * roll / radius, self.base_radius / radius];
         }
         let step = (1e-3 * self.tip_arc).min(-arc);
@@ -137,13 +133,11 @@ impl Outline {
     /// radial to the circumferential direction.
     pub fn fillet_middle(&self) -> f64 {
         let half = std::f64::consts::FRAC_1_SQRT_2;
-        self.below
-            .windows(2)
-            .find(|w| {
-                let (p, q) = (w[0].1, w[1].1);
-                (q[0] - p[0]).abs() < half * distance(p, q)
-            })
-            .map_or(0.5 * self.space_arc(), |w| w[0].0)
+        let turned = self.below.windows(2).find(|w| {
+            let (p, q) = (w[0].1, w[1].1);
+            (q[0] - p[0]).abs() < half * distance(p, q)
+        });
+        turned.map_or(0.5 * self.space_arc(), |w| w[0].0)
     }
 }
 
@@ -336,9 +330,8 @@ impl Section {
         let below = columns.iter().zip(&right).skip(1).rev();
         let below = below.map(|(away, column)| (column[0], corner_arc - away));
         let above = section.flank.iter().copied();
-        section.fillet = below
-            .chain(above.take_while(|(_, arc)| *arc <= 0.0))
-            .collect();
+        let above = above.take_while(|(_, arc)| *arc <= 0.0);
+        section.fillet = below.chain(above).collect();
         let below = depths.iter().skip(1).step_by(2);
         section.widths = below.map(|depth| depth.width).collect();
         let lowest = depths.len() - 1;
@@ -355,8 +348,8 @@ impl Section {
         section
     }
 
-    /// Adds a block of elements, and at `place` (column, row) the nodes that `grid` does not have yet. Its first element is the cell
-    /// `first`; cells count on away from cell (0, 0).
+    /// Adds a block of elements, and at `place` (column, row) the nodes that `grid` does not have yet. Cells count on from `first`
+    /// away from cell (0, 0).
     fn block(
         &mut self,
         first: [i32; 2],
@@ -397,18 +390,13 @@ impl Section {
         self.widths[below]
     }
 
-    pub fn cartesian(&self, node: usize) -> [f64; 3] {
-        let [r, theta] = self.nodes[node];
-        [r * theta.cos(), r * theta.sin(), 0.0]
-    }
-
     fn signed_area(&self, quad: &[usize; 8]) -> f64 {
-        (0..4)
-            .map(|k| {
-                let (p, q) = (self.cartesian(quad[k]), self.cartesian(quad[(k + 1) % 4]));
-                0.5 * (p[0] * q[1] - p[1] * q[0])
-            })
-            .sum()
+        let corners = [0, 1, 2, 3].map(|k| {
+            let [r, theta] = self.nodes[quad[k]];
+            [r * theta.cos(), r * theta.sin()]
+        });
+        let sides = (0..4).map(|k| (corners[k], corners[(k + 1) % 4]));
+        sides.map(|(p, q)| 0.5 * (p[0] * q[1] - p[1] * q[0])).sum()
     }
 }
 

@@ -127,10 +127,8 @@ impl Settings {
 pub fn divide(from: f64, to: f64, size: f64) -> Vec<f64> {
     let steps = (((to - from).abs() / size).round() as usize).max(1);
     // The last station exactly: rounding must not put it on the other side of a corner.
-    (0..steps)
-        .map(|i| from + (to - from) * i as f64 / steps as f64)
-        .chain([to])
-        .collect()
+    let inner = (0..steps).map(|i| from + (to - from) * i as f64 / steps as f64);
+    inner.chain([to]).collect()
 }
 
 /// Fractions 0 to 1 of `length`, starting with steps of `first` that grow by `growth` up to
@@ -151,9 +149,9 @@ pub fn graded(length: f64, first: f64, growth: f64, largest: f64) -> Vec<f64> {
 /// meet; at least two steps. Seen from the other end they are the same.
 pub fn graded_from_both(length: f64, first: [f64; 2], growth: f64, largest: f64) -> Vec<f64> {
     if first[0] == first[1] {
-        let half = match 0.5 * length <= 1.4 * first[0] {
-            true => vec![0.0, 1.0],
-            false => graded(0.5 * length, first[0], growth, largest),
+        let half = match 0.5 * length {
+            short if short <= 1.4 * first[0] => vec![0.0, 1.0],
+            long => graded(long, first[0], growth, largest),
         };
         let up = half.iter().map(|t| 0.5 * t);
         let down = half.iter().rev().skip(1).map(|t| 1.0 - 0.5 * t);
@@ -176,24 +174,20 @@ pub fn graded_from_both(length: f64, first: [f64; 2], growth: f64, largest: f64)
     }
     let [low, high] = steps;
     let all = low.into_iter().chain(high.into_iter().rev());
-    let mut ends = vec![0.0];
     let mut sum = 0.0;
-    for step in all {
+    let inner = all.map(|step| {
         sum += step / reached;
-        ends.push(sum);
-    }
-    if let Some(end) = ends.last_mut() {
-        *end = 1.0;
-    }
+        sum
+    });
+    let mut ends: Vec<f64> = [0.0].into_iter().chain(inner).collect();
+    ends.pop();
+    ends.push(1.0);
     ends
 }
 
 /// The same stations with the middle of each step put in between.
 pub fn halved(stations: &[f64]) -> Vec<f64> {
-    let mut out = vec![stations[0]];
-    for w in stations.windows(2) {
-        out.push(0.5 * (w[0] + w[1]));
-        out.push(w[1]);
-    }
-    out
+    let steps = stations.windows(2);
+    let halves = steps.flat_map(|w| [0.5 * (w[0] + w[1]), w[1]]);
+    [stations[0]].into_iter().chain(halves).collect()
 }

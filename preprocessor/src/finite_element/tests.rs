@@ -19,7 +19,8 @@ pub(super) fn segment(gear: &Gear, tooth: i32, z: [f64; 2], radius: f64) -> Segm
 }
 
 pub(super) fn model(gear: &Gear, settings: &Settings) -> FiniteElementCompliance {
-    FiniteElementCompliance::new(gear, settings, &|_, _| true).unwrap()
+    let model = FiniteElementCompliance::new(gear, settings, None, &|_, _| true);
+    model.unwrap().0
 }
 
 /// Settings of a model in plane strain.
@@ -155,6 +156,6 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
 fn cancelling_stops_with_that_error() {
     let (gear, settings) = (spur(20, 4e-3, 0.5), plane(Refinement::Coarse, 0));
     let until_ring = |stage, _| stage != Stage::Ring;
-    let stopped = FiniteElementCompliance::new(&gear, &settings, &until_ring);
+    let stopped = FiniteElementCompliance::new(&gear, &settings, None, &until_ring);
     assert!(matches!(stopped, Err(FiniteElementError::Cancelled)));
 }

@@ -281,7 +281,7 @@ struct Together {
 impl Together {
     fn new(solver: &ContactSolver, flank: Flank, tau: f64) -> Result<Self, ContactError> {
         let whole = solver.position(flank, tau, 0.0)?;
-        let mut pairs: Vec<i32> = whole.candidates().iter().map(|c| c.tooth_pair).collect();
+        let mut pairs: Vec<i32> = whole.candidates.iter().map(|c| c.tooth_pair).collect();
         pairs.dedup();
         let alone = |k| -> Result<_, ContactError> {
             let problem = solver.tooth_pair(flank, tau + f64::from(k), 0.0)?;

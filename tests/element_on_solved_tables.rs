@@ -295,7 +295,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let solver = coarse_solver(&pair, with_stations(12));
     let elastic = Settings::for_pair(&pair);
     let models = pair_root_stress(geometry, Flank::Drive, &elastic, None, &|_, _, _| true);
-    let models = models.unwrap().map(|(model, _)| model);
+    let models = models.unwrap().gears;
     let coverage = Coverage {
         center_distance_offset: Some([-50e-6, 50e-6]),
         misalignment: Some([-1e-3, 1e-3]),

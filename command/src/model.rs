@@ -123,10 +123,9 @@ impl ModelArgs {
         let progress = progress(job, "model of the fillets");
         let settings = self.settings(pair);
         let models = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &progress)?;
-        let [(first, a), (second, b)] = models;
         Ok(Fillets {
-            maps: [first, second],
-            effort: effort(begin, &[a, b], cache.as_ref()),
+            maps: models.gears,
+            effort: effort(begin, &models.origins, cache.as_ref()),
         })
     }
 

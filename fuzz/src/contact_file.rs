@@ -77,7 +77,7 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
         if root_stress {
             let drive = Flank::Drive;
             let models = pair_root_stress(&pair.geometry, drive, &elements, None, &|_, _, _| true);
-            let models = models.expect("fillets").map(|(model, _)| model);
+            let models = models.expect("fillets").gears;
             let roots = condensed_roots(&solver, drive, &models).expect("stations");
             Arc::make_mut(&mut file.drive).roots = Some(roots);
         }

@@ -211,8 +211,7 @@ impl ContactLines<'_> {
             };
             least.gap + (lead(0) + lead(1)) / numbers.cos_beta_b
         });
-        // (z - z_ref) + sigma y, y from the pitch point along the path: a tilt moves the point (y, z) of gear 2 by M (z n_t - y z)
-        // against gear 1, n_t the line of action, and the normal of the flanks is cos beta_b (n_t - sigma z).
+        // A tilt turns the generators of the flanks, too: (z - z_ref) + sigma y.
         let levers = points.map(|z| (z - numbers.z_ref) + self.lean() * self.contact_line(k, z));
         let own_share = self.setup.settings.own_share;
         Candidate {

@@ -1,20 +1,10 @@
 //! The frictionless contact problem of many segments: forces that press only, gaps that are not negative.
 //!
-//! Segments i with normal forces F_i >= 0 and a load sum c_i F_i = F_bt at the approach delta, c_i the arm of
-//! the normal force about the axis of gear 1 over its base radius (cos beta_b inside the flanks):
-//!
-//! x_i = c_i delta - (A F)_i is what local contact and gaps have to take up, F_i = phi_i(x_i),
-//!
-//! A the bulk influence matrix, phi_i(x) = sum_q l_q(x - g_iq) over the points q of the segment, g the gaps along
-//! the normal and l_q the inverse of the local law, zero for arguments <= 0. Eliminating the local contact
-//! like this leaves no inequality: the solution is the minimum over (y, delta) of the convex function with a
-//! continuous gradient
-//!
-//! J = y' A y / 2 + sum Phi_i(x_i(y, delta)) - F_bt delta, Phi' = phi,
-//!
-//! at which y = F. Newton's method on it needs a symmetric positive definite system over the segments in
-//! contact, D + A with D = 1 / phi', bordered by the load. A search along each step for the zero of the
-//! (monotone) directional derivative makes it descend from any start.
+//! Symbols: docs/theory/contact.md. What local contact and gaps of segment i have to take up is x_i = c_i delta - (A F)_i,
+//! F_i = phi_i(x_i). Eliminating the local contact like this leaves no inequality: the solution is the minimum over (y, delta)
+//! of the convex function J = y' A y / 2 + sum Phi_i(x_i(y, delta)) - F_bt delta, Phi' = phi, at which y = F. Newton's method
+//! on it needs a symmetric positive definite system over the segments in contact, D + A with D = 1 / phi', bordered by
+//! the load. A search along each step for the zero of the (monotone) directional derivative makes it descend from any start.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

@@ -19,11 +19,9 @@ pub enum Prescribed {
 
 impl fmt::Display for Prescribed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Prescribed::Torque(torque) => write!(f, "torque = {} N m", number(rounded(*torque))),
-            Prescribed::Approach(approach) => {
-                write!(f, "approach = {} um", rounded(1e6 * approach))
-            }
+        match *self {
+            Prescribed::Torque(torque) => write!(f, "torque = {} N m", number(rounded(torque))),
+            Prescribed::Approach(delta) => write!(f, "approach = {} um", rounded(1e6 * delta)),
         }
     }
 }

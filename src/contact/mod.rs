@@ -8,13 +8,10 @@
 //! [`RuntimeContact`] is the same solve in the FMU: influence matrices condensed over the mesh cycle
 //! ([`CondensedFlank`]), all else from the pose.
 //!
-//! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
-//! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
-//! The gap of a segment is that of the modified flanks where they come closest (`transverse.rs`), minus what the misalignment closes,
-//! M (z - z_ref + sigma y), y from the pitch point along the path and sigma = dy/dz the slope of the contact lines in the plane of
-//! action: a rigid tilt turns their generators, too. It is taken at several points of each segment, so that the edge of the
-//! contact moves in small steps; forces and bulk displacements are those of whole segments. At run time
-//! local contact takes up less than half of what gaps change by along a segment ([`ContactSettings::own_share`]).
+//! Everything is measured on the line of action at mid-face (docs/theory/contact.md): the approach delta (STE) counts from where
+//! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z. The gap of a segment is that
+//! of the modified flanks where they come closest (`transverse.rs`), minus what the misalignment closes. It is taken at several points
+//! of each segment, so that the edge of the contact moves in small steps; forces and bulk displacements are those of whole segments.
 //!
 //! The torque on gear 1 is F_bt rb1, F_bt = cos beta_b sum a_i F_i with a_i the arm of the transverse force
 //! about the axis of gear 1 over rb1: 1, but for a tip edge of gear 1 on the flank of gear 2, whose normals

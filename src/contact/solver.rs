@@ -115,14 +115,11 @@ impl ContactSolver {
     /// Largest approach, m, beyond the present reach at the positions tried; zero where there is none.
     fn needed_reach(&self, pair: &Pair) -> Result<f64, ContactError> {
         let torque = Prescribed::Torque(pair.operating.maximum_torque);
-        let flanks: &[Flank] = match pair.coast_mirrors_drive() {
-            true => &[Flank::Drive],
-            false => &[Flank::Drive, Flank::Coast],
-        };
+        let flanks = 2 - usize::from(pair.coast_mirrors_drive());
         let mut largest = 0.0f64;
-        for flank in flanks {
+        for flank in [Flank::Drive, Flank::Coast].into_iter().take(flanks) {
             for position in TRIED {
-                let problem = self.position(*flank, position, 0.0)?;
+                let problem = self.position(flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
                     let found = problem.solution(torque, misalignment, None)?;
                     if let Some(Failure::BeyondReach { needed, .. }) = found.excess {
@@ -155,8 +152,7 @@ impl ContactSolver {
 
     /// Least and largest closing of `deflection` over the overlap of both faces, m.
     fn deflection_range(&self, deflection: &Deflection) -> [f64; 2] {
-        let geometry = &self.setup.geometry;
-        let (low, width) = geometry.face_overlap();
+        let (geometry, [low, width]) = (&self.setup.geometry, self.numbers.face);
         let ratio = geometry.transverse_contact_ratio(geometry.center_distance);
         let path = geometry.base_pitch() * ratio;
         deflection.range([low, low + width], self.numbers.tan_beta_b * path)

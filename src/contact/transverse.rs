@@ -255,16 +255,13 @@ pub struct ClosestPoint {
 
 /// Both flanks about one point of the transverse section.
 ///
-/// Relief tilts a flank: with the slope theta per length of flank, contact moves R theta off the nominal line,
-/// where the gap is smaller by theta² R / 2. With s the distance from the nominal point along both flanks towards the
-/// tip of gear 1, the gap along the line of action is
+/// With s the distance from the nominal point along both flanks towards the tip of gear 1, the gap along the line of action is
 ///
 /// g(s) = g_0 + alpha s + s² / (2 R) + (removal_1 + removal_2) / cos beta_b,
 ///
-/// the lengths of roll moved by s rb / rho on gear 1 (towards its tip) and on gear 2 (towards its root), R the
-/// relative radius of curvature, g_0 and alpha zero on the path of contact and those of the tip edge beyond it. The
-/// tangent of the transverse section is normal to the generator, so the same s counts in the normal
-/// section. Lead modifications do not depend on s: gaps here are without them.
+/// the lengths of roll moved by s rb / rho on gear 1 (towards its tip) and on gear 2 (towards its root), g_0 and alpha zero on
+/// the path of contact and those of the tip edge beyond it. The same s counts in the normal section. Lead modifications do
+/// not depend on s: gaps here are without them.
 pub struct MatingFlanks<'a> {
     geometry: &'a PairGeometry,
     section: &'a TransverseSection,

@@ -427,10 +427,8 @@ mod tests {
         let rolls = vec![3e-3, 3.001e-3, 6e-3, 9e-3, 13e-3];
         let step = Topography::new(rolls, ZS.to_vec(), rows.to_vec()).unwrap();
         let [_, [roll, _, removal]] = step.extremes([3e-3, 13e-3], [0.0, 24e-3]);
-        assert!(
-            3.001e-3 < roll && roll < 6e-3 && removal > 1e-3,
-            "{roll} {removal}"
-        );
+        let is_beyond = 3.001e-3 < roll && roll < 6e-3;
+        assert!(is_beyond && removal > 1e-3, "{roll} {removal}");
     }
 
     #[test]

@@ -59,7 +59,7 @@ fn root_models(pair: &Pair, flank: Flank) -> [Arc<RootStress>; 2] {
     };
     let settings = Settings::for_pair(&coarse);
     let models = pair_root_stress(&pair.geometry, flank, &settings, None, &|_, _, _| true);
-    models.unwrap().map(|(model, _)| model)
+    models.unwrap().gears
 }
 
 /// A pair, its solver on coarse finite elements and what `flank` is condensed to.

@@ -217,10 +217,10 @@ fn a_ring_on_a_soft_foundation_moves_as_a_rigid_body() {
             let expected = (angle.cos() + turn) / (stiffness * area);
             assert_relative_eq!(found[(k, 0)], expected, max_relative = 1e-3);
         }
-        let estimate = gear.body_tilt_and_foundation();
+        let softness = (1.0 + turn) / (stiffness * area);
         assert_relative_eq!(
-            estimate,
-            (1.0 + turn) / (stiffness * area),
+            gear.body_tilt_and_foundation(),
+            softness,
             max_relative = 1e-12
         );
     }
@@ -278,11 +278,8 @@ fn a_longer_shaft_twists_and_bends_as_beam_theory_says() {
     let fourth = r.powi(4) - hole.powi(4);
     let twist =
         gear.base_radius().powi(2) * (lengths[1] - lengths[0]) / (shear * 0.5 * PI * fourth);
-    assert_relative_eq!(
-        compliances[1][0] - compliances[0][0],
-        twist,
-        max_relative = 5e-3
-    );
+    let more = [0, 1].map(|harmonic| compliances[1][harmonic] - compliances[0][harmonic]);
+    assert_relative_eq!(more[0], twist, max_relative = 5e-3);
     // Cantilevers under a force at mid-face; Cowper's factor of a round section.
     let bending = |length: f64| {
         let half = 0.5 * gear.face_width;
@@ -291,11 +288,7 @@ fn a_longer_shaft_twists_and_bends_as_beam_theory_says() {
             + length / (factor * shear * PI * (r * r - hole * hole))
     };
     let expected = bending(lengths[1]) - bending(lengths[0]);
-    assert_relative_eq!(
-        compliances[1][1] - compliances[0][1],
-        expected,
-        max_relative = 2e-2
-    );
+    assert_relative_eq!(more[1], expected, max_relative = 2e-2);
     // What the estimates say of the whole.
     let gear = pinion_shaft(60e-3);
     let twist = gear.base_radius().powi(2) * gear.body_twist();

@@ -118,12 +118,8 @@ fn meshes_of_usual_and_extreme_gears_are_sound() {
         for refinement in [Refinement::Coarse, Refinement::Normal, Refinement::Fine] {
             let solid = Model::new(gear, &Settings::new(refinement, 1)).unwrap();
             let (volume, quality) = solid.mesh().volume_and_quality();
-            assert!(
-                quality > 0.05,
-                "z {} x {} quality {quality:.3}",
-                gear.teeth,
-                gear.profile_shift
-            );
+            let (z, x) = (gear.teeth, gear.profile_shift);
+            assert!(quality > 0.05, "z {z} x {x} quality {quality:.3}");
             let outline = Outline::new(&ToothProfile::new(gear).unwrap());
             let (low, high, steps) = (outline.space_arc(), outline.tip_arc, 20000);
             // Both halves of the tooth side: area between outline and the axis, less the held circle.

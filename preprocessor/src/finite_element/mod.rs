@@ -6,16 +6,11 @@
 //!                        length     sector      helix   sides left      gear    nodes
 //! ```
 //!
-//! One tooth sector is meshed with 20-node hexahedra (plane strain: 8-node quadrilaterals) and reduced
-//! to the displacements of its two sides and of the loaded flank; the ring of equal sectors then follows
-//! by a Fourier transform, so that every tooth of the gear is a real one at the cost of one. The result
-//! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
-//! the flank nodes of tooth 0.
-//!
-//! A [`Segment`] is a line load spread across its contact line by a smooth kernel; weights f
-//! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
-//! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
-//! does not depend on the kernel's width.
+//! The result are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on the flank
+//! nodes of tooth 0 (docs/theory/compliance.md). A [`Segment`] is a line load spread across its contact line by a smooth
+//! kernel; weights f on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement,
+//! and [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact does not depend
+//! on the kernel's width.
 
 mod cache;
 mod condensation;
@@ -100,10 +95,9 @@ impl FiniteElementCompliance {
         if !self.plane_strain {
             return 1.0;
         }
-        // Independent slices: segments act on each other as far as they lie in the same slices. The force
-        // per length of contact line is cos beta_b times that per metre of depth; so is the displacement
-        // along the flank normal seen from the transverse plane, but one of the two factors is left
-        // to the shorter path of the line load, as the local contact of `ToothCompliance` counts it.
+        // Segments act on each other as far as they lie in the same slices. The force per length of contact line is cos beta_b
+        // times that per metre of depth; so is the displacement along the flank normal seen from the transverse plane, but one
+        // of the two factors is left to the shorter path of the line load, as the local contact counts it.
         let overlap = (a.z[1].min(b.z[1]) - a.z[0].max(b.z[0])).max(0.0);
         let lengths = (a.z[1] - a.z[0]) * (b.z[1] - b.z[0]);
         self.cos_base_helix * overlap / lengths
@@ -291,15 +285,17 @@ fn take(bytes: &mut &[u8]) -> Option<i64> {
     None
 }
 
-/// Models of gear 1 and gear 2; the same one twice when the gears are equal but for hand and axial
-/// position.
+/// Models of gear 1 and gear 2; the same one twice when the gears are equal but for hand and axial position.
 #[derive(Debug, Clone)]
-pub struct PairCompliance {
+pub struct PairModels<T> {
     /// One model per gear.
-    pub gears: [Arc<FiniteElementCompliance>; 2],
+    pub gears: [Arc<T>; 2],
     /// Where each came from.
     pub origins: [Origin; 2],
 }
+
+/// Elastic models of both gears.
+pub type PairCompliance = PairModels<FiniteElementCompliance>;
 
 impl PairCompliance {
     /// Whether `cache` holds both models, sound or not.
@@ -331,13 +327,8 @@ impl PairCompliance {
         cache: Option<&ModelCache>,
         progress: &PairProgress<'_>,
     ) -> Result<PairCompliance, FiniteElementError> {
-        let models = both(&pair.gears, progress, |gear, progress| {
+        both(&pair.gears, progress, |gear, progress| {
             FiniteElementCompliance::new(gear, settings, cache, progress)
-        })?;
-        let [(first, first_origin), (second, second_origin)] = models;
-        Ok(PairCompliance {
-            gears: [first, second],
-            origins: [first_origin, second_origin],
         })
     }
 }
@@ -353,7 +344,7 @@ pub fn pair_root_stress(
     settings: &Settings,
     cache: Option<&ModelCache>,
     progress: &PairProgress<'_>,
-) -> Result<[(Arc<RootStress>, Origin); 2], FiniteElementError> {
+) -> Result<PairModels<RootStress>, FiniteElementError> {
     let settings = settings.for_root_stress();
     // As segments see them: turned end for end where they are mirrored.
     let gears = [0, 1].map(|i| {
@@ -372,7 +363,7 @@ fn both<T>(
     gears: &[Gear; 2],
     progress: &PairProgress<'_>,
     model: impl Fn(&Gear, &Progress<'_>) -> Result<(T, Origin), FiniteElementError>,
-) -> Result<[(Arc<T>, Origin); 2], FiniteElementError> {
+) -> Result<PairModels<T>, FiniteElementError> {
     let one = |i: usize| {
         let found = model(&gears[i], &|stage, share| progress(i, stage, share));
         found.map(|(model, origin)| (Arc::new(model), origin))
@@ -387,7 +378,10 @@ fn both<T>(
         true => of_first.clone(),
         false => one(1)?,
     };
-    Ok([of_first, of_second])
+    Ok(PairModels {
+        gears: [of_first.0, of_second.0],
+        origins: [of_first.1, of_second.1],
+    })
 }
 
 #[cfg(test)]

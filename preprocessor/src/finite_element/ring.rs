@@ -1,10 +1,6 @@
-//! From one sector to the whole gear: all teeth are equal, so a discrete Fourier transform over the
-//! sectors splits the ring of condensed sectors into independent harmonics (Thomas, Int. J. Numer.
-//! Methods Eng. 14, 1979).
-//!
-//! x_s are the displacements of the side between sectors s - 1 and s, S the condensed stiffness of a
-//! sector with blocks for its side 0 and side 1, g the side loads of a unit load on sector 0. With
-//! phi = 2 pi n / z each harmonic reads
+//! From one sector to the whole gear: all teeth are equal, so a discrete Fourier transform over the sectors splits the ring of
+//! condensed sectors into independent harmonics (Thomas, Int. J. Numer. Methods Eng. 14, 1979). With S the condensed stiffness
+//! of a sector, in blocks for its side 0 and side 1, g the side loads of a unit load on sector 0 and phi = 2 pi n / z each reads
 //!
 //! ```text
 //! [S_00 + S_11 + S_01 e^{i phi} + S_10 e^{-i phi}] X_n = g_0 + e^{-i phi} g_1 =: q_n ,

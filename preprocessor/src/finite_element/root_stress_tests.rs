@@ -135,12 +135,12 @@ fn stresses_add_up_and_neighbours_count() {
     let on = |tooth, force| (segment(&gear, tooth, 41e-3), force);
     let at = |loads: &[(Segment, f64)]| under(&model, 0, loads).unwrap().at_tangent().unwrap();
     // Uniaxial in the section: the largest principal stress is linear as long as it is the one along the profile.
-    let both = at(&[on(0, 1e5), on(1, 1e5)]).stress;
-    assert_relative_eq!(
-        both,
-        at(&[on(0, 5e4), on(1, 1e5), on(0, 5e4)]).stress,
-        max_relative = 1e-12
-    );
+    let [both, halves] = [
+        &[on(0, 1e5), on(1, 1e5)][..],
+        &[on(0, 5e4), on(1, 1e5), on(0, 5e4)],
+    ]
+    .map(|loads| at(loads).stress);
+    assert_relative_eq!(both, halves, max_relative = 1e-12);
     assert!((both - at(&[on(0, 1e5)]).stress).abs() > 1e-4 * both);
     // A loaded tooth pulls at the fillet of the next one that it leans away from.
     let [own, next] = [0, 1].map(|tooth| {

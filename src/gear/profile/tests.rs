@@ -106,11 +106,8 @@ fn the_rolling_rack_touches_every_point_of_the_profile_and_cuts_none() {
         });
         for (k, point) in fillet.chain(flank).enumerate() {
             let distance = least_distance(&gear, point.radius(), point.angle());
-            let (teeth, x) = (gear.teeth, gear.profile_shift);
-            assert!(
-                distance.abs() < 1e-9,
-                "{teeth} teeth, x {x}, point {k}: {distance:e} m"
-            );
+            let (z, x) = (gear.teeth, gear.profile_shift);
+            assert!(distance.abs() < 1e-9, "z {z}, x {x}, {k}: {distance:e} m");
         }
     }
 }

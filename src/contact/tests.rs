@@ -149,7 +149,7 @@ fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
     }
 }
 
-/// Signed distance G / cos beta_b of formulation.md from the involute of `gear` on the flank `sigma` in the
+/// Signed distance from the involute of `gear` on the flank `sigma` in the
 /// plane zeta = 0, body coordinates.
 fn signed_distance(gear: &Gear, sigma: f64, radius: f64, theta: f64) -> f64 {
     let t = gear.roll_length(radius) / gear.base_radius();
@@ -200,7 +200,7 @@ fn closest(p: &PairGeometry, i: usize, xi: f64, ahead: f64) -> (f64, f64) {
         .unwrap()
 }
 
-/// The closed form of the separation against flanks set up from formulation.md's signed distance, on pairs of every kind, the
+/// The closed form of the separation against flanks set up from the signed distance of an involute, on pairs of every kind, the
 /// ring as gear 1 included.
 #[test]
 fn separation_and_arm_of_a_tip_edge_are_those_of_the_signed_distance_from_the_mate() {

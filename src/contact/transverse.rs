@@ -69,12 +69,6 @@ impl PairNumbers {
             bodies,
         }
     }
-
-    /// Tangent of the operating transverse pressure angle at `center_distance` (m); NaN where base circles have no common tangent.
-    pub fn tan_phi(&self, center_distance: f64) -> f64 {
-        let (c, base) = (center_distance, self.base_radius_sum);
-        ((c - base) * (c + base)).sqrt() / base
-    }
 }
 
 /// A point that may touch: lengths of roll on both gears and what separates the flanks there.
@@ -101,6 +95,7 @@ pub struct TransverseSection {
     pub numbers: PairNumbers,
     /// Lengths of roll at which the involutes end at the root, m.
     pub form_rolls: [f64; 2],
+    /// Of the operating transverse pressure angle.
     tan_phi: f64,
     path: [f64; 2],
     /// How far candidates go, m from the pitch point: beyond the path where tip corners count.
@@ -116,7 +111,9 @@ impl TransverseSection {
         form_rolls: [f64; 2],
         separation_limit: Option<f64>,
     ) -> Option<TransverseSection> {
-        let tan_phi = numbers.tan_phi(center_distance);
+        // NaN where base circles have no common tangent.
+        let (c, base) = (center_distance, numbers.base_radius_sum);
+        let tan_phi = ((c - base) * (c + base)).sqrt() / base;
         let beyond =
             |i: usize| numbers.kappa[i] * (numbers.tip_roll[i] - numbers.base_radius[i] * tan_phi);
         let path = [-beyond(1), beyond(0)];
@@ -160,9 +157,9 @@ impl TransverseSection {
         } else if xi > self.path[1] {
             self.tip_corner(1, xi)
         } else {
-            let roll = [0, 1].map(|i| self.roll(i, xi));
+            let n = &self.numbers;
             TransversePoint {
-                roll,
+                roll: [0, 1].map(|i| n.base_radius[i] * self.tan_phi + n.q[i] * xi),
                 separation: 0.0,
                 slope: 0.0,
                 arms: [1.0; 2],
@@ -170,15 +167,11 @@ impl TransverseSection {
         }
     }
 
-    fn roll(&self, i: usize, xi: f64) -> f64 {
-        self.numbers.base_radius[i] * self.tan_phi + self.numbers.q[i] * xi
-    }
-
     /// The tip edge of the gear whose tip ends the path at `end` (0: gear 2, at the start; 1: gear 1)
     /// against the flank of its mate, both turned to the conjugate position `xi` beyond that end.
     ///
-    /// The gap is the signed distance G / cos beta_b of the mate's involute (formulation.md) at the tip
-    /// edge: base radius times the angle by which the mate would have to turn to touch it.
+    /// The gap is the signed distance of the mate's involute from the tip edge: base radius times the angle by which the mate would
+    /// have to turn to touch it.
     fn tip_corner(&self, end: usize, xi: f64) -> TransversePoint {
         let (tip, mate) = (1 - end, end);
         let n = &self.numbers;
@@ -206,19 +199,15 @@ impl TransverseSection {
         // By how much the normals have turned out of the line of action: clockwise about a centre below it,
         // counter-clockwise about one above.
         let inclined = (up * turn - mate_up * turned).abs();
-        match tip == 0 {
-            true => TransversePoint {
-                roll: [tip_roll, mate_roll],
-                separation: behind,
-                slope: -inclined,
-                arms: [arm, 1.0],
-            },
-            false => TransversePoint {
-                roll: [mate_roll, tip_roll],
-                separation: -behind,
-                slope: inclined,
-                arms: [1.0, arm],
-            },
+        let (mut roll, mut arms, mut side) = ([mate_roll, tip_roll], [1.0, arm], -1.0);
+        if tip == 0 {
+            (roll, arms, side) = ([tip_roll, mate_roll], [arm, 1.0], 1.0);
+        }
+        TransversePoint {
+            roll,
+            separation: side * behind,
+            slope: -side * inclined,
+            arms,
         }
     }
 
@@ -344,15 +333,6 @@ impl<'a> MatingFlanks<'a> {
         cubic
     }
 
-    /// Range of s: the room on either gear towards its tip and towards the end of its involute.
-    fn range(&self) -> [f64; 2] {
-        let room = [0, 1].map(|i| {
-            let ends = [self.section.numbers.tip_roll[i], self.section.form_rolls[i]];
-            ends.map(|end| ((end - self.at.roll[i]) / self.roll_by_s[i]).abs())
-        });
-        [-room[1][0].min(room[0][1]), room[0][0].min(room[1][1])]
-    }
-
     /// Where both flanks come closest: the least of all cubics, since with a topography the gap need not be convex.
     pub fn closest(&self) -> ClosestPoint {
         if self.nominal {
@@ -366,8 +346,14 @@ impl<'a> MatingFlanks<'a> {
             let piece = m.profile(&self.geometry.gears[i], self.at.roll[i], self.z[i]);
             fall += self.per_cos * self.roll_by_s[i].abs() * (2.0 * steepness + piece.slope.abs());
         }
+        // On either gear no farther than to its tip and to the end of its involute.
+        let room = [0, 1].map(|i| {
+            let ends = [self.section.numbers.tip_roll[i], self.section.form_rolls[i]];
+            ends.map(|end| ((end - self.at.roll[i]) / self.roll_by_s[i]).abs())
+        });
+        let low = -room[1][0].min(room[0][1]);
+        let high = room[0][0].min(room[1][1]);
         let room = 2.0 * fall / self.curvature;
-        let [low, high] = self.range();
         let (mut from, high) = (low.max(-room), high.min(room));
         let gap = self.cubic(from).gap;
         let mut least = ClosestPoint { gap, s: from };
@@ -430,10 +416,8 @@ impl<'a> MatingFlanks<'a> {
         }
         profile.curvature = profile.curvature.max(LEAST_CURVATURE * involutes);
         // The flanks are parallel where they come closest, but at a tip edge; what the search leaves over is none of it.
-        let (before, behind) = (
-            profile.slope - profile.kink(-1.0),
-            profile.slope + profile.kink(1.0),
-        );
+        let before = profile.slope - profile.kink(-1.0);
+        let behind = profile.slope + profile.kink(1.0);
         let at_edge = TOLERANCE / self.curvature;
         if before > 0.0 && profile.edges[0] < -at_edge {
             profile.slope -= before;

@@ -2,45 +2,31 @@
 
 #![allow(unsafe_code)] // it calls what C calls
 
+use ::fmi::fmi2::binding::Fmi2Binding;
 use gearmesh::fmi::header::*;
-use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
-use std::ffi::{CStr, CString, c_void};
+use gearmesh::fmi::resources::{TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile};
+use std::ffi::{CStr, CString};
 use std::ptr;
 
 #[path = "units/mod.rs"]
 mod units;
 use units::{GUID, resources, spur as unit, tabulated};
 
-/// Loads the library in the folder of this test, runs an instance, and unloads it again.
+/// Loads the library as a host does, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn load_and_unload(library: &CStr, uri: &CStr, guid: &CStr, kind: fmi2Type) {
-    // Safety: the symbols have the types of the standard (checked where they are made), the library
-    // stays loaded while they are called, and all pointers are valid during the calls.
+    // Safety: the symbols have the types of the standard (checked where they are made), and all pointers are valid during the calls.
     unsafe {
-        let handle = libc::dlopen(library.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);
-        assert!(!handle.is_null(), "{:?}", CStr::from_ptr(libc::dlerror()));
-        let symbol = |name: &CStr| libc::dlsym(handle, name.as_ptr());
-        macro_rules! function {
-            ($name:literal: $type:ty) => {
-                std::mem::transmute::<*mut c_void, $type>(symbol($name)).expect("exported")
-            };
-        }
-        use ::fmi::fmi2::binding as standard;
-        let instantiate = function!(c"fmi2Instantiate": standard::fmi2InstantiateTYPE);
-        let exit =
-            function!(c"fmi2ExitInitializationMode": standard::fmi2ExitInitializationModeTYPE);
-        let enter =
-            function!(c"fmi2EnterInitializationMode": standard::fmi2EnterInitializationModeTYPE);
-        let store = function!(c"fmi2GetFMUstate": standard::fmi2GetFMUstateTYPE);
-        let free = function!(c"fmi2FreeInstance": standard::fmi2FreeInstanceTYPE);
+        let fmu = Fmi2Binding::new(library.to_str().unwrap()).unwrap();
         let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
-        let c = instantiate(c"one".as_ptr(), kind, guid, uri, ptr::null(), 0, 0);
+        let c = fmu.fmi2Instantiate(c"one".as_ptr(), kind, guid, uri, ptr::null(), 0, 0);
         assert!(!c.is_null());
-        assert_eq!([enter(c), exit(c)], [fmi2OK; 2]);
+        assert_eq!(fmu.fmi2EnterInitializationMode(c), fmi2OK);
+        assert_eq!(fmu.fmi2ExitInitializationMode(c), fmi2OK);
         let mut state = ptr::null_mut();
-        assert_eq!(store(c, &mut state), fmi2OK);
-        free(c);
-        assert_eq!(libc::dlclose(handle), 0);
+        assert_eq!(fmu.fmi2GetFMUstate(c, &mut state), fmi2OK);
+        fmu.fmi2FreeInstance(c);
+        drop(fmu);
         // Gone, not only counted down.
         let flags = libc::RTLD_NOW | libc::RTLD_NOLOAD;
         assert!(libc::dlopen(library.as_ptr(), flags).is_null());
@@ -91,14 +77,18 @@ fn loading_and_unloading_leaves_no_byte_behind() {
 }
 
 #[test]
-fn altered_resources_are_refused_with_file_and_remedy() {
-    let folder = tempfile::tempdir().unwrap();
-    let read = |unit: &UnitFile| {
-        let uri = resources(folder.path(), unit);
-        gearmesh::fmi::resources::load(uri.to_str().unwrap(), GUID)
-            .unwrap_err()
-            .to_string()
+fn missing_and_altered_resources_are_refused_with_file_and_remedy() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path().join("resources");
+    let uri = format!("file://{}", folder.display());
+    let assert_refused = |words: [&str; 2]| {
+        let refused = gearmesh::fmi::resources::load(&uri, GUID).unwrap_err();
+        let text = refused.to_string();
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
     };
+    assert_refused(["resources", ""]);
+    std::fs::create_dir(&folder).unwrap();
+    assert_refused([UNIT_FILE, ""]);
     let newer = UnitFile {
         version: UNIT_VERSION + 1,
         ..unit()
@@ -107,8 +97,18 @@ fn altered_resources_are_refused_with_file_and_remedy() {
         starts: [("gear3.position[1]".to_owned(), 0.0)].into(),
         ..unit()
     };
-    for (unit, said) in [(newer, "version 2"), (foreign, "gear3.position[1]")] {
-        let error = read(&unit);
-        assert!(error.contains(said) && error.contains(UNIT_FILE), "{error}");
+    for (unit, word) in [(newer, "version 2"), (foreign, "gear3.position[1]")] {
+        resources(&folder, &unit);
+        assert_refused([UNIT_FILE, word]);
+    }
+    resources(&folder, &tabulated(&folder));
+    let tables = folder.join(TABLES_FILE);
+    let good = std::fs::read_to_string(&tables).unwrap();
+    let (head, tail) = good.split_at(good.len() / 2);
+    let digit = head.to_owned() + &tail.replacen('3', "4", 1);
+    let other = include_str!("../resources/tables/fzg-c.json").to_owned();
+    for altered in [digit, other] {
+        std::fs::write(&tables, altered).unwrap();
+        assert_refused([TABLES_FILE, ""]);
     }
 }

@@ -91,14 +91,10 @@ impl Host {
         }
     }
 
+    /// Of one causality, or one and those that follow.
     fn references(&mut self) -> Vec<u32> {
         let count = [1, 1, 3, 24, 48][self.below(5)];
         let range = [INPUTS, INPUTS, OUTPUTS, PARAMETERS][self.below(4)];
-        self.references_in(range, count)
-    }
-
-    /// `count` of `range`, or one in it and those that follow.
-    fn references_in(&mut self, range: [f64; 2], count: usize) -> Vec<u32> {
         let first = self.random.within(range) as u32;
         let is_block = self.below(2) == 0;
         let one = |k| match self.below(2000) {
@@ -106,7 +102,7 @@ impl Host {
             _ if is_block => first + k,
             _ => self.random.within(range) as u32,
         };
-        (0..count as u32).map(one).collect()
+        (0..count).map(one).collect()
     }
 
     /// Sets parameters of any type, most of them one by one, before a simulation begins.
@@ -151,53 +147,36 @@ impl Host {
     /// One call.
     fn call(&mut self) {
         let c = self.component;
-        let vr = self.references();
-        let n = vr.len();
+        let (references, known) = (self.references(), self.references());
+        let (n, vr) = (references.len(), references.as_ptr());
         let orders: Vec<i32> = (0..n).map(|_| self.below(4) as i32).collect();
         let reals: Vec<f64> = (0..n).map(|_| self.real()).collect();
         let integers: Vec<i32> = (0..n).map(|_| self.below(6) as i32 - 1).collect();
-        let mut numbers = vec![0.0; n];
-        let mut whole = vec![0; n];
+        let seed: Vec<f64> = known.iter().map(|_| self.real()).collect();
+        let (mut numbers, mut whole) = (vec![0.0; n], vec![0; n]);
+        let (out, flags) = (numbers.as_mut_ptr(), whole.as_mut_ptr());
+        let (real, integer, order) = (reals.as_ptr(), integers.as_ptr(), orders.as_ptr());
         let which = self.below(36);
         // Safety: `c` is a component that is not freed; arrays are as long as said.
         let status = unsafe {
             match which {
-                0..=4 => fmi2SetReal(c, vr.as_ptr(), n, reals.as_ptr()),
-                5 => fmi2SetInteger(c, vr.as_ptr(), n, integers.as_ptr()),
-                6 => fmi2SetBoolean(c, vr.as_ptr(), n, integers.as_ptr()),
+                0..=4 => fmi2SetReal(c, vr, n, real),
+                5 => fmi2SetInteger(c, vr, n, integer),
+                6 => fmi2SetBoolean(c, vr, n, integer),
                 7..=9 => {
-                    let status = fmi2GetReal(c, vr.as_ptr(), n, numbers.as_mut_ptr());
-                    self.take(status, &numbers);
-                    let outputs = (100..200).contains(&vr[0]) && status == fmi2OK;
+                    let status = fmi2GetReal(c, vr, n, out);
+                    let outputs = (100..200).contains(&references[0]) && status == fmi2OK;
                     self.accepted.outputs += usize::from(outputs);
                     status
                 }
-                10 => fmi2GetInteger(c, vr.as_ptr(), n, whole.as_mut_ptr()),
-                11 => fmi2GetBoolean(c, vr.as_ptr(), n, whole.as_mut_ptr()),
+                10 => fmi2GetInteger(c, vr, n, flags),
+                11 => fmi2GetBoolean(c, vr, n, flags),
                 12 | 13 => {
-                    let known = self.references();
-                    let seed: Vec<f64> = known.iter().map(|_| self.real()).collect();
-                    let [u, k] = [vr.as_ptr(), known.as_ptr()];
-                    let out = numbers.as_mut_ptr();
-                    let count = known.len();
-                    let status =
-                        fmi2GetDirectionalDerivative(c, u, n, k, count, seed.as_ptr(), out);
-                    // A seed may be as large as a number can be, and so may be its product.
-                    if seed.iter().all(|s| s.abs() < 1e6) {
-                        self.take(status, &numbers);
-                    }
-                    status
+                    let (by, count) = (known.as_ptr(), known.len());
+                    fmi2GetDirectionalDerivative(c, vr, n, by, count, seed.as_ptr(), out)
                 }
-                14 => {
-                    fmi2SetRealInputDerivatives(c, vr.as_ptr(), n, orders.as_ptr(), reals.as_ptr())
-                }
-                15 => {
-                    let out = numbers.as_mut_ptr();
-                    let status =
-                        fmi2GetRealOutputDerivatives(c, vr.as_ptr(), n, orders.as_ptr(), out);
-                    self.take(status, &numbers);
-                    status
-                }
+                14 => fmi2SetRealInputDerivatives(c, vr, n, order, real),
+                15 => fmi2GetRealOutputDerivatives(c, vr, n, order, out),
                 16..=19 => {
                     let step = [1e-5, 1e-6, 1e-3, 0.0, self.real()][self.below(5)];
                     let point = match self.below(10) {
@@ -215,18 +194,11 @@ impl Host {
                 20 => fmi2SetTime(c, reals[0]),
                 21 => fmi2EnterContinuousTimeMode(c),
                 22 => fmi2EnterEventMode(c),
-                23 => {
-                    let mut info = fmi2EventInfo::default();
-                    fmi2NewDiscreteStates(c, &mut info)
-                }
-                24 => {
-                    let [mut event, mut terminate] = [0; 2];
-                    fmi2CompletedIntegratorStep(c, 1, &mut event, &mut terminate)
-                }
+                23 => fmi2NewDiscreteStates(c, &mut fmi2EventInfo::default()),
+                24 => fmi2CompletedIntegratorStep(c, 1, &mut 0, &mut 0),
                 25 => self.store(),
                 26 => {
-                    let state = self.state();
-                    let status = fmi2SetFMUstate(c, state);
+                    let status = fmi2SetFMUstate(c, self.state());
                     self.accepted.restored += usize::from(status == fmi2OK);
                     status
                 }
@@ -245,6 +217,10 @@ impl Host {
         assert!(status < fmi2Fatal, "call {which}: status {status}");
         self.accepted.calls += usize::from(status == fmi2OK);
         self.note(u64::from(status) << 8 | which as u64);
+        // A seed may be as large as a number can be, and so may be its product.
+        if !(12..=13).contains(&which) || seed.iter().all(|s| s.abs() < 1e6) {
+            self.take(status, &numbers);
+        }
         for value in whole {
             self.note(value as u64);
         }

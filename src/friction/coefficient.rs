@@ -214,17 +214,6 @@ mod tests {
     use approx::assert_relative_eq;
 
     #[test]
-    fn schlenks_mean_coefficient_of_the_fzg_pair_is_that_of_the_literature() {
-        let pair = c14();
-        let law = FrictionLaw::schlenk(13.28e-3, [0.4e-6, 0.31e-6], 0.846);
-        let rb = pair.gears[0].base_radius();
-        let omega = 1500.0 * std::f64::consts::TAU / 60.0;
-        let v = omega * pair.rolling_speed_per_spin(pair.center_distance);
-        let mu = law.coefficient(&pair).at(200.0 / rb, v);
-        assert!((mu - 0.0449).abs() < 0.5e-4, "{mu}");
-    }
-
-    #[test]
     fn xu_and_kahramans_coefficient_is_the_printed_formula() {
         let law = FrictionLaw::XuKahraman {
             dynamic_viscosity_pa_s: 10e-3,

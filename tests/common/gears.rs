@@ -77,20 +77,21 @@ pub fn with_module(mut gear: Gear, module: f64) -> Gear {
     gear
 }
 
+fn equal_gears(hand: f64, helix_deg: f64, center_distance: f64) -> PairGeometry {
+    PairGeometry {
+        gears: [hand, -hand].map(|hand| gear(GearKind::External, 20, hand, helix_deg, 0.0)),
+        center_distance,
+    }
+}
+
 /// The paper's pair: 20 teeth each, helix 13 deg, gear 1 of `hand`, C = 82.104 mm, no backlash.
 pub fn paper_pair(hand: f64) -> PairGeometry {
-    PairGeometry {
-        gears: [hand, -hand].map(|hand| gear(GearKind::External, 20, hand, 13.0, 0.0)),
-        center_distance: 82.104e-3,
-    }
+    equal_gears(hand, 13.0, 82.104e-3)
 }
 
 /// The same without helix, C = 80 mm.
 pub fn spur_pair() -> PairGeometry {
-    PairGeometry {
-        gears: [1.0, -1.0].map(|hand| gear(GearKind::External, 20, hand, 0.0, 0.0)),
-        center_distance: 80e-3,
-    }
+    equal_gears(1.0, 0.0, 80e-3)
 }
 
 /// `pair` with each tooth (ring: each space) thinned (widened) by `thinning` on the base circle, m.

@@ -29,41 +29,38 @@ pub struct Spring;
 const UNIT: f64 = 1e-6;
 
 impl Spring {
-    fn stiffness(q: &Query) -> [f64; 4] {
-        let [_, c, m, p] = q.coordinates();
-        let (t, k) = (TAU * p, 1e6);
-        [
-            k * (1.0 + 0.3 * t.cos() + 800.0 * c + 4e3 * m * m),
-            k * 800.0,
-            k * 8e3 * m,
-            -k * 0.3 * TAU * t.sin(),
-        ]
-    }
-
-    fn onset(q: &Query) -> [f64; 4] {
-        let [_, c, m, p] = q.coordinates();
-        let t = TAU * p;
-        [
-            UNIT * (0.5 * t.sin() + 3e3 * c - 2e5 * m * m),
-            UNIT * 3e3,
-            -UNIT * 4e5 * m,
-            UNIT * 0.5 * TAU * t.cos(),
-        ]
+    /// K and D0, each with its slopes by C, M and PMC.
+    fn terms(q: &Query) -> [[f64; 4]; 2] {
+        let (c, m) = (q.center_distance_offset, q.misalignment);
+        let (sin, cos) = (TAU * q.mesh_position).sin_cos();
+        let stiffness = [
+            1.0 + 0.3 * cos + 800.0 * c + 4e3 * m * m,
+            800.0,
+            8e3 * m,
+            -0.3 * TAU * sin,
+        ];
+        let onset = [
+            0.5 * sin + 3e3 * c - 2e5 * m * m,
+            3e3,
+            -4e5 * m,
+            0.5 * TAU * cos,
+        ];
+        [stiffness.map(|x| 1e6 * x), onset.map(|x| UNIT * x)]
     }
 
     /// Exact W and gradient.
     pub fn potential(q: &Query) -> Potential {
-        let [k, k_y @ ..] = Self::stiffness(q);
-        let [d0, d0_y @ ..] = Self::onset(q);
+        let [[k, k_y @ ..], [d0, d0_y @ ..]] = Self::terms(q);
         let d = (q.delta - d0).max(0.0) / UNIT;
         let force = k * UNIT * d.powi(3);
+        let by_stiffness = UNIT * UNIT * d.powi(4) / 4.0;
         let mut out = Potential {
-            value: k * UNIT * UNIT * d.powi(4) / 4.0,
+            value: k * by_stiffness,
             ..Potential::default()
         };
         out.gradient[0] = force;
         for i in 0..3 {
-            out.gradient[i + 1] = k_y[i] * UNIT * UNIT * d.powi(4) / 4.0 - force * d0_y[i];
+            out.gradient[i + 1] = k_y[i] * by_stiffness - force * d0_y[i];
         }
         out.hessian[0][0] = 3.0 * k * d * d;
         out
@@ -72,34 +69,29 @@ impl Spring {
     /// Samples of it; the top load is reached 8 µm (and a little, varying) after the onset.
     pub fn grid(counts: [usize; 4]) -> FlankGrid {
         let axes = axes(counts);
-        let [mut lows, mut highs, mut forces, mut moments] = [const { Vec::new() }; 4];
-        for &c in &axes.center_distance_offset {
-            for &m in &axes.misalignment {
-                let ends = |p: f64| {
-                    let low = Self::onset(&Query::from([0.0, c, m, p]))[0];
-                    (low, low + UNIT * (8.0 + (TAU * p).cos() + 5e2 * m))
-                };
-                for &p in &axes.mesh_position {
-                    lows.push(ends(p).0);
-                    highs.push(ends(p).1);
-                }
-                for &u in &axes.displacement_fraction {
-                    for &p in &axes.mesh_position {
-                        let (low, high) = ends(p);
-                        let w = Self::potential(&Query::from([low + u * (high - low), c, m, p]));
-                        forces.push(w.gradient[0]);
-                        moments.push(w.gradient[2]);
-                    }
-                }
-            }
-        }
-        FlankGrid {
-            axes,
-            no_load_approach: lows,
-            top_load_approach: highs,
-            loa_force: forces,
-            moment: Some(moments),
+        let [nc, nm, nu, np] = axes.lengths();
+        let columns = (0..nc * nm * np).map(|n| {
+            let (c, m) = (
+                axes.center_distance_offset[n / np / nm],
+                axes.misalignment[n / np % nm],
+            );
+            let p = axes.mesh_position[n % np];
+            let low = Self::terms(&Query::from([0.0, c, m, p]))[1][0];
+            (low, low + UNIT * (8.0 + (TAU * p).cos() + 5e2 * m))
+        });
+        let (no_load_approach, top_load_approach) = columns.unzip();
+        let mut grid = FlankGrid {
+            no_load_approach,
+            top_load_approach,
+            loa_force: vec![],
+            moment: None,
             sliding: None,
-        }
+            axes,
+        };
+        let node = |n: usize| grid.query([n / np / nu / nm, n / np / nu % nm, n / np % nu, n % np]);
+        let loads = (0..nc * nm * nu * np).map(|n| Self::potential(&node(n)).gradient);
+        let (forces, moments) = loads.map(|gradient| (gradient[0], gradient[2])).unzip();
+        (grid.loa_force, grid.moment) = (forces, Some(moments));
+        grid
     }
 }

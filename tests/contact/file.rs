@@ -1,7 +1,6 @@
 //! Contact at run time from the file in an FMU.
 
 use super::*;
-use gearmesh::gear::Runout;
 
 fn small_file(pair: &Pair) -> ContactFile {
     contact_file(pair, &coarse_solver(pair, with_stations(4))).unwrap()

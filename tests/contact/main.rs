@@ -1,5 +1,7 @@
-//! Claims about static contact and contact at run time, on real pairs with coarse finite elements.
+//! Claims about contact on real pairs: solved on finite elements, at run time, in tables and in the element.
 
+#[path = "../common/element.rs"]
+mod element;
 #[path = "../common/fzg.rs"]
 mod fzg;
 #[path = "../common/gears.rs"]
@@ -7,33 +9,100 @@ mod gears;
 #[path = "../common/solver.rs"]
 mod solver;
 
+mod energy;
 mod file;
 mod flanks;
+mod levels;
 mod mechanics;
 mod paper;
+mod realistic;
+mod reference;
 mod root_stress;
 mod runtime;
+mod shipped;
 mod sliding;
 mod symmetry;
 mod teeth;
 mod tilt;
+mod tooth_pairs;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::contact::*;
-use gearmesh::gear::{Flank, PairTeeth, ToothErrors};
+use gearmesh::friction::{FrictionLaw, Loss, Sliding, loss_factor_of};
+use gearmesh::gear::*;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
+use gearmesh::root::{bisection, bracket};
+use gearmesh::table::*;
 use gearmesh_preprocessor::contact::*;
-use gearmesh_preprocessor::finite_element::{RootStress, Settings, pair_root_stress};
+use gearmesh_preprocessor::finite_element::{ModelCache, RootStress, Settings, pair_root_stress};
 use gearmesh_preprocessor::pair;
-use solver::{coarse_solver, with_stations};
-use std::sync::Arc;
+use gearmesh_preprocessor::table::*;
+use serde_json::{Value, json};
+use solver::{QUIET, coarse_solver, solver, with_stations};
+use std::f64::consts::TAU;
+use std::sync::{Arc, LazyLock};
 
 const PAPER: &str = include_str!("../../resources/pairs/palermo2013.json");
 const UNMODIFIED: &str = include_str!("../../resources/pairs/palermo2013-unmodified.json");
 const HELICAL: &str = include_str!("../../resources/pairs/helical-25-47.json");
 const RING: &str = include_str!("../../resources/pairs/planet-ring-27-84.json");
 const SPUR: &str = include_str!("../../resources/pairs/fzg-c.json");
+
+const RESOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/resources");
+
+/// Names of the shipped tables, which are those of their pairs.
+const TABLES: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
+
+fn tables(name: &str) -> TableFile {
+    TableFile::read(format!("{RESOURCES}/tables/{name}.json")).unwrap()
+}
+
+/// The pair file of a reduction gear with a steep helix, a long path of contact and faces of these widths, mm, for a nominal torque in N m.
+fn reduction(faces: [f64; 2], torque: f64) -> Value {
+    let gear = |teeth: u32, face: f64, bore: f64| {
+        json!({
+            "teeth": teeth, "face_width_mm": face, "bore_diameter_mm": bore, "addendum_coefficient": 1.2,
+            "dedendum_coefficient": 1.5, "tool_tip_radius_coefficient": 0.3,
+        })
+    };
+    let mut file = json!({
+        "name": "reduction", "meshing": "external", "normal_module_mm": 1.75, "normal_pressure_angle_deg": 17.5,
+        "helix_angle_deg": 29.5, "backlash_um": 90.0, "face_offset_mm": 0.5 * (faces[0] - faces[1]),
+        "gear1": gear(23, faces[0], 28.0), "gear2": gear(81, faces[1], 60.0),
+        "operating": {
+            "nominal_torque_nm": torque, "maximum_torque_nm": 2.0 * torque,
+            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-0.5, 0.5],
+        },
+    });
+    file["gear1"]["profile_shift"] = 0.3.into();
+    file["gear1"]["lead_crowning_um"] = 4.0.into();
+    file
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    let squares = errors.iter().map(|error| error * error);
+    (squares.sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Slope at zero of `values` over steps of this size, of fourth order.
+fn slope(step: f64, values: impl Fn(f64) -> f64) -> f64 {
+    let side = |h: f64| values(h * step) - values(-h * step);
+    (8.0 * side(1.0) - side(2.0)) / (12.0 * step)
+}
+
+/// The largest size of `errors`.
+fn most(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |most, error| error.abs().max(most))
+}
 
 fn mesh_cycle(
     solver: &ContactSolver,

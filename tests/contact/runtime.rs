@@ -1,7 +1,6 @@
 //! Contact at run time against the solve that tables come from, and against itself.
 
 use super::*;
-use gearmesh::root::bracket;
 
 const PAIRS: [&str; 3] = [PAPER, SPUR, RING];
 const FLANKS: [Flank; 3] = [Flank::Drive, Flank::Drive, Flank::Coast];
@@ -26,13 +25,10 @@ fn point(ready: &Ready, random: &mut Random) -> ([f64; 4], PositionProblem, Cont
     (at, problem, result)
 }
 
-/// Root mean square and largest size of `errors`.
-fn sizes(errors: &[f64]) -> [f64; 2] {
-    let square: f64 = errors.iter().map(|error| error * error).sum();
-    let largest = errors
-        .iter()
-        .fold(0.0f64, |most, error| most.max(error.abs()));
-    [(square / errors.len() as f64).sqrt(), largest]
+/// The root mean square and the largest of `errors` are within `bounds`.
+fn assert_small(errors: &[f64], bounds: [f64; 2]) {
+    let (rms, most) = (rms(errors), most(errors));
+    assert!(rms < bounds[0] && most < bounds[1], "{rms} {most}");
 }
 
 #[test]
@@ -51,9 +47,7 @@ fn the_solve_at_run_time_is_that_of_the_tables() {
                 force.abs().max(lever.abs())
             })
             .collect();
-        let [rms, largest] = sizes(&errors);
-        println!("{}: rms {rms:.2e}, largest {largest:.2e}", ready.pair.name);
-        assert!(rms < 1e-3 && largest < 5e-3, "{rms} {largest}");
+        assert_small(&errors, [1e-3, 5e-3]);
     }
 }
 
@@ -82,9 +76,7 @@ fn root_stress_at_run_time_is_that_of_the_elastic_models() {
             let found = ask(&contact, at, [0; 2]).root_stress;
             errors.extend([0, 1].map(|i| found[i] / direct[i] - 1.0));
         }
-        let [rms, largest] = sizes(&errors);
-        println!("{}: rms {rms:.2e}, largest {largest:.2e}", ready.pair.name);
-        assert!(rms < 0.003 && largest < 0.01, "{rms} {largest}");
+        assert_small(&errors, [3e-3, 0.01]);
     }
 }
 
@@ -137,21 +129,6 @@ fn a_warm_start_changes_nothing_but_rounding_and_cycles_follow_on_each_other() {
     let apart = contact.potential([-1e-4, 0.0, 0.0, 0.3], [0; 2], &mut warm);
     assert_eq!(apart.unwrap(), ContactPotential::default());
     assert_eq!(warm, Warm::default());
-}
-
-#[test]
-fn far_beyond_the_centre_distances_of_the_nodes_loads_are_still_numbers() {
-    for text in PAIRS {
-        let contact = ready(text, Flank::Drive).alike();
-        for i in 0..40 {
-            let nearer = 5e-5 * f64::from(i);
-            // As at turned gears that are held: what is nearer closes the gap.
-            let at = [0.34 * nearer, -nearer, 1e-4, 0.07 * f64::from(i)];
-            let found = ask(&contact, at, [0; 2]);
-            let mut numbers = found.gradient.iter().chain([&found.energy]);
-            assert!(numbers.all(|v| v.is_finite()), "{at:?} {found:?}");
-        }
-    }
 }
 
 #[test]
@@ -214,8 +191,8 @@ fn few_stations_at_run_time_say_what_many_do() {
             forces.push((found.loa_force - exact.loa_force) / nominal);
             moments.push((found.moment - exact.moment) / (nominal * half_face));
         }
-        let rms = [forces, moments].map(|errors| sizes(&errors)[0]);
-        println!("{}: {rms:?}", pair.name);
-        assert!(rms.iter().all(|rms| *rms < bound), "{}: {rms:?}", pair.name);
+        for errors in [forces, moments] {
+            assert_small(&errors, [bound, f64::INFINITY]);
+        }
     }
 }

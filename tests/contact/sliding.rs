@@ -3,7 +3,6 @@
 use super::*;
 use crate::fzg::{FZG, c14};
 use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
-use gearmesh::friction::{FrictionLaw, Loss, Sliding, loss_factor_of};
 use nalgebra::DMatrix;
 
 /// Segments that do not know of each other: where forces are prescribed, no more is asked.
@@ -70,7 +69,7 @@ fn the_fzg_pair_loses_what_schlenks_coefficient_says() {
     let geometry = c14();
     let sliding = even_line_load(&pair_of(geometry.clone()));
     let law = FrictionLaw::schlenk(13.28e-3, [0.4e-6, 0.31e-6], 0.846);
-    let spin = 1500.0 * std::f64::consts::TAU / 60.0;
+    let spin = 1500.0 * TAU / 60.0;
     let loss = Loss::new(&geometry, &law, [&sliding, &sliding], 200.0, spin);
     assert_abs_diff_eq!(loss.coefficient, 0.0449, epsilon = 0.5e-4);
     assert_abs_diff_eq!(loss.power, 274.0, epsilon = 1.0);

@@ -2,8 +2,7 @@
 
 use super::*;
 use gearmesh::compliance::Segment;
-use gearmesh::gear::{Microgeometry, OwnFlank, Runout, Topography, WeakTooth};
-use std::f64::consts::TAU;
+use nalgebra::Complex;
 
 fn ready(text: &str) -> Ready {
     Ready::new(text, Flank::Drive, |pair| {
@@ -15,14 +14,17 @@ impl Ready {
     /// What the tooth errors of `contact` add to the transmission error over a turn of gear 1, m, at `steps` positions of each
     /// mesh cycle.
     fn added(&self, contact: &RuntimeContact, steps: usize) -> Vec<f64> {
-        let (all, force) = (self.alike(), self.force());
-        let place = |i: usize| i as f64 / steps as f64;
-        let alike = |i: usize| transmission_error(&all, force, place(i), 0);
-        let alike: Vec<f64> = (0..steps).map(alike).collect();
-        let cycles = i64::from(self.pair.geometry.gears[0].teeth);
-        let positions = (0..cycles).flat_map(|cycle| (0..steps).map(move |i| (cycle, i)));
-        positions
-            .map(|(cycle, i)| transmission_error(contact, force, place(i), cycle) - alike[i])
+        let over_cycle = |contact: &RuntimeContact, cycle: i64| -> Vec<f64> {
+            let place = (0..steps).map(|i| i as f64 / steps as f64);
+            let errors = place.map(|tau| transmission_error(contact, self.force(), tau, cycle));
+            errors.collect()
+        };
+        let alike = over_cycle(&self.alike(), 0);
+        let cycles = 0..i64::from(self.pair.geometry.gears[0].teeth);
+        let errors = cycles.flat_map(|cycle| over_cycle(contact, cycle));
+        errors
+            .zip(alike.iter().cycle())
+            .map(|(error, alike)| error - alike)
             .collect()
     }
 
@@ -46,9 +48,7 @@ fn assert_loads(found: &ContactPotential, known: &ContactPotential, tolerance: f
 
 /// Approach under `force` at the mesh position `tau` of the mesh cycle `cycle`.
 fn transmission_error(contact: &RuntimeContact, force: f64, tau: f64, cycle: i64) -> f64 {
-    let mut warm = Warm::default();
-    let (mut low, mut high) = (-1e-4, 3e-4);
-    let mut approach = 3e-5;
+    let (mut warm, mut ends, mut approach) = (Warm::default(), [-1e-4, 3e-4], 3e-5);
     for _ in 0..100 {
         let found = contact.potential([approach, 0.0, 0.0, tau], [cycle; 2], &mut warm);
         let found = found.unwrap();
@@ -56,13 +56,10 @@ fn transmission_error(contact: &RuntimeContact, force: f64, tau: f64, cycle: i64
         if missing.abs() <= 1e-10 * force {
             return approach;
         }
-        match missing > 0.0 {
-            true => low = approach,
-            false => high = approach,
-        }
+        ends[usize::from(missing < 0.0)] = approach;
         let newton = approach + missing / found.tangent.force_by_approach;
-        let inside = low < newton && newton < high;
-        approach = if inside { newton } else { 0.5 * (low + high) };
+        let is_inside = ends[0] < newton && newton < ends[1];
+        approach = if is_inside { newton } else { mean(&ends) };
     }
     panic!("no approach for {force} N");
 }
@@ -81,16 +78,20 @@ fn runout(amount: f64, angle: f64) -> ToothErrors {
     }
 }
 
+/// Size of the sum of values at places (in turns) that the harmonic `order` has.
+fn harmonic(values: impl Iterator<Item = (f64, f64)>, order: f64) -> f64 {
+    let terms = values.map(|(x, value)| Complex::from_polar(value, TAU * order * x));
+    terms.sum::<Complex<f64>>().norm()
+}
+
 /// Amplitude of the shaft order `order` of a signal over one turn.
 fn amplitude(signal: &[f64], order: usize) -> f64 {
     let n = signal.len() as f64;
-    let part = |f: fn(f64) -> f64| -> f64 {
-        let terms = signal.iter().enumerate();
-        terms
-            .map(|(i, x)| x * f(TAU * (order * i) as f64 / n) * 2.0 / n)
-            .sum()
-    };
-    part(f64::cos).hypot(part(f64::sin))
+    let values = signal.iter().enumerate();
+    harmonic(
+        values.map(|(i, x)| (i as f64 / n, 2.0 / n * x)),
+        order as f64,
+    )
 }
 
 /// All other teeth stand back farther than the one that carries gives way: its root is under the whole load.
@@ -182,13 +183,11 @@ fn loads_on_unequal_teeth_are_the_gradient_of_one_potential() {
             // Force times a tenth of the approach, over the step.
             let work = gradient[0] * at[0].abs();
             for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
-                let side = |h: f64| {
+                let slope = slope(step, |by| {
                     let mut x = at;
-                    x[k] += h * step;
+                    x[k] += by;
                     potential(x).energy
-                };
-                let slope =
-                    (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
+                });
                 let bound = 1e-5 * gradient[k].abs() + 1e-9 * work / step;
                 assert_abs_diff_eq!(slope, gradient[k], epsilon = bound);
             }
@@ -247,16 +246,10 @@ fn a_wave_of_index_errors_has_the_sidebands_of_the_share_of_the_load() {
         share.extend(shares.map(|(k, part)| (tau + f64::from(*k), *part)));
     }
     let added = ready.added(&contact, steps);
-    // The share over the way of one tooth pair, transformed.
-    let window = |order: f64| {
-        let part = |f: fn(f64) -> f64| -> f64 {
-            let terms = share.iter().map(|(x, part)| part * f(TAU * order * x));
-            terms.sum::<f64>() / steps as f64
-        };
-        part(f64::cos).hypot(part(f64::sin))
-    };
     for order in [1, z - 1, z + 1] {
-        let expected = wave * window(order as f64 / z as f64);
+        // The share over the way of one tooth pair, transformed.
+        let window = harmonic(share.iter().copied(), order as f64 / z as f64);
+        let expected = wave * window / steps as f64;
         assert_abs_diff_eq!(amplitude(&added, order), expected, epsilon = 0.05 * wave);
     }
     for order in [0, 2, z / 2, z, 2 * z] {
@@ -296,9 +289,8 @@ fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
     let (approach, removal) = (ready.approach(), 2e-6);
     let g = &ready.pair.geometry;
     let nominal = &ready.pair.microgeometry.drive[1];
-    let rolls = vec![0.0, 0.01, 0.1];
-    let zs = vec![0.0, 0.01, 0.1];
-    let grid = Topography::new(rolls, zs, vec![vec![removal; 3]; 3]).unwrap();
+    let places = vec![0.0, 0.01, 0.1];
+    let grid = Topography::new(places.clone(), places, vec![vec![removal; 3]; 3]).unwrap();
     let own = ToothErrors {
         flanks: vec![OwnFlank {
             tooth: 2,

@@ -3,7 +3,6 @@
 
 use super::symmetry::text;
 use super::*;
-use gearmesh::gear::PairGeometry;
 use nalgebra::{Matrix2, Rotation3, Unit, Vector2, Vector3};
 
 /// Flanks of a pair, of which one contact line lies in the plane of action at rest.

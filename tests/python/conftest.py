@@ -1,5 +1,6 @@
 """The FMUs that the tests drive, packed once."""
 
+import copy
 import json
 import math
 import sys
@@ -36,22 +37,23 @@ def other_hand(pair):
 
 
 def pair_files():
-    """The pairs by name: external, gear 2 a ring, gear 1 a ring, each in both hands."""
-    external = json.loads((PAIRS / "palermo2013.json").read_text())
+    """The pairs by name: external, gear 2 a ring, gear 1 a ring; with profile shifts, unequal faces and a face offset, too; each in both hands
+    but for shifted rings."""
+    external, shifted = (json.loads((PAIRS / f"{name}.json").read_text()) for name in ("palermo2013", "helical-25-47"))
     ring = json.loads((PAIRS / "planet-ring-27-84.json").read_text())
     # A helix with the transverse module kept leaves all diameters as they are.
     helix = 12.0
     module = ring["normal_module_mm"] * math.cos(math.radians(helix))
     ring = dict(ring, helix_angle_deg=helix, normal_module_mm=module)
-    base = {"external": external, "ring2": ring, "ring1": swapped(ring)}
-    return base | {f"{name}-left": other_hand(pair) for name, pair in base.items()}
-
-
-@pytest.fixture(scope="session")
-def fmus(tmp_path_factory):
-    """Constant-stiffness FMU files by pair name."""
-    folder = tmp_path_factory.mktemp("fmus")
-    return {name: gearmesh.pack(pair, folder / f"{name}.fmu") for name, pair in pair_files().items()}
+    shifted_ring = copy.deepcopy(ring) | {"name": "ring-shifted", "face_offset_mm": -2.5}
+    shifted_ring["gear2"] |= {"face_width_mm": 26.0, "profile_shift": 0.3}
+    # The centre distance of these shifts, and teeth of standard height there.
+    del shifted_ring["center_distance_mm"]
+    for gear in ("gear1", "gear2"):
+        del shifted_ring[gear]["tip_diameter_mm"], shifted_ring[gear]["tip_relief"]
+    base = {"external": external, "ring2": ring, "ring1": swapped(ring), "external-shifted": shifted}
+    rings = {"ring2-shifted": shifted_ring, "ring1-shifted": dict(swapped(shifted_ring), face_offset_mm=2.5)}
+    return base | {f"{name}-left": other_hand(pair) for name, pair in base.items()} | rings
 
 
 # Quick tables: coarse finite elements, kept for all tests, on few stations. `cycle` has mesh position and load
@@ -71,53 +73,47 @@ def tabulated_pairs():
     return pairs
 
 
-@pytest.fixture(scope="session")
-def table_fmus(tmp_path_factory):
-    """FMU files with tables by pair and grid, as `external-cycle`."""
-    folder = tmp_path_factory.mktemp("tables")
-    return {
-        f"{name}-{grid}": gearmesh.build(pair, folder / f"{name}-{grid}.fmu", **QUICK, **options, contact=f"{name}-{grid}" == "external-cycle")
-        for name, pair in tabulated_pairs().items()
-        for grid, options in GRIDS.items()
-    }
+class Lazy(dict):
+    """Values that are made when they are first asked for."""
+
+    def __init__(self, make):
+        super().__init__()
+        self.make = make
+
+    def __missing__(self, name):
+        self[name] = self.make(name)
+        return self[name]
 
 
 @pytest.fixture(scope="session")
-def shipped_fmus(tmp_path_factory):
-    """FMU files of the shipped tables as packing makes them, by name."""
-    folder = tmp_path_factory.mktemp("shipped")
-    return {name: gearmesh.pack(TABLES / f"{name}.json", folder / f"{name}.fmu") for name in SHIPPED}
+def fmus(tmp_path_factory):
+    """FMU files by name: pairs with constant stiffness, shipped tables as packing makes them, tables by pair and grid, as `external-cycle`."""
+    folder, pairs = tmp_path_factory.mktemp("fmus"), pair_files()
+
+    def make(name):
+        file = folder / f"{name}.fmu"
+        if name in SHIPPED:
+            return gearmesh.pack(TABLES / f"{name}.json", file)
+        if name in pairs:
+            return gearmesh.pack(pairs[name], file)
+        pair, grid = name.split("-")
+        return gearmesh.build(tabulated_pairs()[pair], file, **QUICK, **GRIDS[grid], contact=name == "external-cycle")
+
+    return Lazy(make)
 
 
-def unpacked(files):
-    """A fixture of the FMU files, unpacked, and one of a function that makes instances and frees them after the test."""
-
-    @pytest.fixture(scope="session")
-    def units(request):
-        units = {name: Unit(path) for name, path in request.getfixturevalue(files).items()}
-        yield units
-        for unit in units.values():
-            unit.close()
-
-    return units
-
-
-units, table_units = map(unpacked, ("fmus", "table_fmus"))
+@pytest.fixture(scope="session")
+def units(fmus):
+    """The FMUs, unpacked."""
+    units = Lazy(lambda name: Unit(fmus[name]))
+    yield units
+    for unit in units.values():
+        unit.close()
 
 
 @pytest.fixture
 def mesh(units):
     """Makes instances of an FMU and frees them after the test."""
-    yield from instances(units)
-
-
-@pytest.fixture
-def table_mesh(table_units):
-    """As `mesh`, of the FMUs with tables."""
-    yield from instances(table_units)
-
-
-def instances(units):
     made = []
 
     def make(pair="external", **options):

@@ -38,7 +38,7 @@ class Unit:
 class Instance:
     """One instance; methods without checks return the status, `set`, `get`, ... expect success."""
 
-    def __init__(self, unit, name="mesh", logging=True, resources=None, guid=None, logger=True, kind=CO_SIMULATION):
+    def __init__(self, unit, name="mesh", logging=True, guid=None, logger=True, kind=CO_SIMULATION):
         self.unit = unit
         self.is_co_simulation = kind == CO_SIMULATION
         self.messages = []
@@ -54,7 +54,7 @@ class Instance:
         self._callbacks = fmi2CallbackFunctions()
         if logger:
             self._callbacks.logger = ctypes.cast(self._logger, type(self._callbacks.logger))
-        uri = (Path(unit.folder) / "resources").as_uri() if resources is None else resources
+        uri = Path(unit.folder, "resources").as_uri()
         self.dll.fmi2Instantiate.restype = ctypes.c_void_p
         self.component = self.dll.fmi2Instantiate(
             name.encode(),
@@ -129,20 +129,14 @@ class Instance:
         assert status == OK, f"setting {values}: {self.log()}"
 
     def get(self, *names):
-        """Values of variables, in their order; one value for one name."""
-        out = []
-        for name in names:
-            kind = self.kind(name)
-            data = (SCALARS[kind] * 1)()
-            self.expect(f"fmi2Get{kind}", self.references([name]), ctypes.c_size_t(1), data)
-            out.append(data[0])
-        return out[0] if len(names) == 1 else out
+        """Values of variables of one kind, in their order; one value for one name."""
+        kind, count = self.kind(names[0]), len(names)
+        data = (SCALARS[kind] * count)()
+        self.expect(f"fmi2Get{kind}", self.references(names), ctypes.c_size_t(count), data)
+        return data[0] if count == 1 else list(data)
 
-    def vector(self, name, length=3):
-        names = [f"{name}[{i + 1}]" for i in range(length)]
-        data = (ctypes.c_double * length)()
-        self.expect("fmi2GetReal", self.references(names), ctypes.c_size_t(length), data)
-        return list(data)
+    def vector(self, name):
+        return self.get(*(f"{name}[{i}]" for i in (1, 2, 3)))
 
     # Life ------------------------------------------------------------------------------------
 

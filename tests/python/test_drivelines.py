@@ -8,7 +8,6 @@ import gearmesh
 import numpy as np
 import pytest
 from conftest import ROOT
-from gearmesh.energy import mesh_loss
 from scipy.sparse import csc_matrix, hstack, identity
 from scipy.sparse.linalg import spsolve
 from examples.drivelines import loss
@@ -220,13 +219,6 @@ def test_what_goes_in_is_stored_or_lost_and_loads_cancel(balance, damped):
     assert found["loads"] < 1e-13
     assert found.get("momentum", 0.0) < 1e-13
     assert found.get("share of time apart", 1.0) > 0.0
-
-
-def test_what_a_mesh_loses_is_its_damping_times_the_square_of_the_rate():
-    with linear.assembled(linear.ONE, 500.0) as line:
-        line.rate(0.0, line.start() + [0.0, 0.1])
-        expected = linear.DAMPING * line.pair["mesh.transmissionErrorRate"] ** 2
-        assert mesh_loss(line.pair) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("support", [linear.ONE, linear.SIX], ids=["one freedom", "six freedoms"])

@@ -1,4 +1,4 @@
-"""FMUs with tables: the element against the solver the tables came from."""
+"""FMUs with tables and with contact at run time: the element against the solver the tables came from, and the one against the other."""
 
 import math
 
@@ -6,9 +6,7 @@ import gearmesh
 import numpy as np
 import pytest
 from conftest import FORMULATIONS, QUICK, tabulated_pairs
-from test_state import goes_on_elsewhere
 
-FULL = ["external-all", "ring2-all"]
 CYCLE = ["external-cycle", "ring2-cycle"]
 TORQUE = 100.0
 
@@ -53,12 +51,12 @@ def under_torque(make, pair, position, torque=TORQUE, sign=1, **parameters):
 @FORMULATIONS
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 @pytest.mark.parametrize("pair", CYCLE)
-def test_under_torque_it_stands_on_either_flank_as_the_contact_solver_says(table_mesh, pair, flank, formulation):
+def test_under_torque_it_stands_on_either_flank_as_the_contact_solver_says(mesh, pair, flank, formulation):
     sign, levers = 1 if flank == "drive" else -1, []
     file = tabulated_pairs()[pair.removesuffix("-cycle")]
     for static in gearmesh.solve_all(file, [45.0, TORQUE, 160.0], positions=8, flank=flank, **QUICK):
         for i, position in list(enumerate(static.mesh_position))[:: 1 if static.torque_nm == TORQUE else 3]:
-            instance = under_torque(table_mesh, pair, position, static.torque_nm, sign, formulation=formulation, shuttlingEffect=1)
+            instance = under_torque(mesh, pair, position, static.torque_nm, sign, formulation=formulation, shuttlingEffect=1)
             away = instance.get("mesh.position") - position
             assert away - round(away) == pytest.approx(0.0, abs=1e-8)
             found = sign * instance.get("mesh.transmissionError") * math.cos(instance.unit.geometry.pressure_angle) * 1e6
@@ -70,22 +68,16 @@ def test_under_torque_it_stands_on_either_flank_as_the_contact_solver_says(table
     assert pair != "external-cycle" or np.mean(levers) < -0.1, levers
 
 
-@pytest.mark.parametrize("pair", FULL)
-def test_a_state_on_tables_goes_on_in_another_process(table_mesh, table_fmus, tmp_path, pair):
-    instance = table_mesh(pair).initialize({"meshPhase": 0.02, "loadDependent": 0})
-    goes_on_elsewhere(instance, table_fmus[pair], tmp_path)
-
-
 @pytest.mark.parametrize("flank", [1, -1], ids=["drive", "coast"])
 @pytest.mark.parametrize("pair", CYCLE)
-def test_root_stress_is_that_of_the_static_solve(table_mesh, pair, flank):
+def test_root_stress_is_that_of_the_static_solve(mesh, pair, flank):
     rng = np.random.default_rng(31)
     torque = rng.uniform(40.0, 120.0)
     positions = 11  # no divisor of the table's
     options = {"positions": positions, "flank": "drive" if flank > 0 else "coast", "root_stress": True}
     solved = gearmesh.solve(tabulated_pairs()[pair.removesuffix("-cycle")], torque, **options, **QUICK)
     for k in rng.choice(np.arange(1, positions), 3, replace=False):
-        instance = under_torque(table_mesh, pair, k / positions, torque, flank, rootStress=1)
+        instance = under_torque(mesh, pair, k / positions, torque, flank, rootStress=1)
         # The torque holds the change of the elastic energy over the cycle, too: compared is stress over load.
         force = instance.get("mesh.tangentialForce") * instance.unit.geometry.pitch_radii[0] / torque
         for gear in (0, 1):
@@ -93,8 +85,52 @@ def test_root_stress_is_that_of_the_static_solve(table_mesh, pair, flank):
             assert instance.get(f"mesh.rootStress{gear + 1}") == pytest.approx(known, rel=0.015), (gear, k)
 
 
-def test_inspect_tells_the_root_stress_of_the_tables_and_its_error(table_fmus):
-    rows = gearmesh.inspect(table_fmus["external-cycle"]).text.splitlines()
+def test_inspect_tells_the_root_stress_of_the_tables_and_its_error(fmus):
+    rows = gearmesh.inspect(fmus["external-cycle"]).text.splitlines()
     told = [row for row in rows if row.strip().startswith("root stress")]
     assert len(told) == 1 and "48 mesh positions" in told[0] and "of the largest stress" in told[0]
-    assert "root stress" not in gearmesh.inspect(table_fmus["external-all"]).text
+    assert "root stress" not in gearmesh.inspect(fmus["external-all"]).text
+
+
+TABLE, CONTACT, TEETH = 2, 3, 4
+
+
+def started(make, model, **parameters):
+    instance = make("external-cycle")
+    instance.initialize({"stiffnessModel": model, "damping": 0.0, **parameters})
+    return instance
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("flank", [1, 2], ids=["drive", "coast"])
+def test_contact_at_run_time_is_that_of_the_tables(mesh, formulation, flank):
+    sign = 1 if flank == 1 else -1
+    for phase in np.linspace(0.0, 0.3, 7):
+        both = [
+            started(mesh, model, formulation=formulation, loadedFlank=flank, meshPhase=phase)
+            for model in (TABLE, CONTACT)
+        ]
+        for instance in both:
+            press(instance, 1.5e-5, sign)
+        table, contact = (np.array([m.get("mesh.tangentialForce"), m.get("gear1.moment[3]")]) for m in both)
+        # A phase is taken where the teeth just touch, which the table knows to a few hundredths of a micrometre.
+        assert contact == pytest.approx(table, rel=1e-2)
+        z = [1e3 * m.get("mesh.contactZ") for m in both]
+        assert z[1] == pytest.approx(z[0], abs=0.1)
+
+
+def test_contact_at_run_time_has_no_axes_and_no_range(mesh):
+    instance = started(mesh, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
+    press(instance, 1.5e-5)
+    before = instance.get("mesh.contactZ")
+    c = instance.get("gear2.position[1]")
+    # Beyond the pair file's range of misalignment and centre distance: still a mesh.
+    instance.set({"gear2.angles[1]": 5e-3, "gear2.position[1]": c + 2e-4})
+    press(instance, 6e-5)
+    assert instance.get("mesh.tangentialForce") > 100.0
+    assert abs(instance.get("mesh.contactZ") - before) > 1e-3
+
+
+@pytest.mark.parametrize("model, remedy", [(CONTACT, "gearmesh build --contact"), (TEETH, "gearmesh tables --teeth")])
+def test_a_level_that_a_unit_does_not_hold_is_refused_with_what_to_do(mesh, model, remedy):
+    assert remedy in mesh("external-all").refused({"stiffnessModel": model})

@@ -57,18 +57,6 @@ fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
         assert!(!words.contains("note"), "{words}");
         assert_eq!((count(), inode()), (1, written));
     }
-    let changed: [fn(&mut Value); 2] = [
-        |pair| {
-            pair["gear1"]["bore_diameter_mm"] = 31.0.into();
-            pair["gear2"]["bore_diameter_mm"] = 31.0.into();
-        },
-        |pair| pair["compliance"]["refinement"] = "normal".into(),
-    ];
-    for (change, files) in changed.into_iter().zip(2..) {
-        assert!(model(change).contains("computed"));
-        assert_eq!(count(), files);
-    }
-
     for entry in std::fs::read_dir(&kept).unwrap() {
         let path = entry.unwrap().path();
         let cut = std::fs::read(&path).unwrap()[..40].to_vec();
@@ -85,7 +73,7 @@ fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
     let foreign = folder.write("cache/notes.compliance", b"not a model");
     let words = succeed!("cache --clear --cache-dir {kept}");
     let left = format!("left {foreign}, which is no model");
-    contains!(words, "removed 3 models", &left);
+    contains!(words, "removed 1 model", &left);
     assert_eq!(folder.read("cache/notes.compliance"), "not a model");
     assert_eq!(count(), 1);
 }

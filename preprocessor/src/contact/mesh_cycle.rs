@@ -301,12 +301,6 @@ mod tests {
     }
 
     #[test]
-    fn harmonics_from_half_the_positions_on_are_none() {
-        let found = harmonics(&[1.0, 2.0, 3.0, 2.0]);
-        assert!(found[0].is_some() && found[1..].iter().all(Option::is_none));
-    }
-
-    #[test]
     fn an_even_load_has_the_factor_one_and_a_triangle_two() {
         let of = |load: Vec<f64>| FaceLoad { z: vec![], load }.face_load_factor();
         assert_eq!(of(vec![2.0; 5]), 1.0);

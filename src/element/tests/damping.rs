@@ -82,9 +82,10 @@ fn a_static_tilt_of_turning_gears_makes_no_damping_force() {
 
 #[test]
 fn damping_never_pulls_and_sets_in_without_a_jump() {
-    let element = damped(Formulation::Conjugate, 1e5);
-    let k = &element.constants;
-    for rate in [-1.0, -0.01, 0.01, 1.0] {
+    let rates = [-1.0, -0.01, 0.01, 1.0].into_iter();
+    for (formulation, rate) in rates.flat_map(|rate| FORMULATIONS.map(|f| (f, rate))) {
+        let element = damped(formulation, 1e5);
+        let k = &element.constants;
         let force = |delta: f64| {
             let mut inputs = compressed(&element, 1.0, delta);
             inputs.gears[0].w.z = rate / k.rb[0];

@@ -1,35 +1,10 @@
 //! Claims about the element on the table of a real pair.
 
-use approx::{assert_abs_diff_eq, assert_relative_eq};
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
-use gearmesh::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Element, Formulation, Inputs, Jacobian, LoadedFlank, Outputs,
-    Parameters, StiffnessModel,
-};
-use gearmesh::friction::FrictionLaw;
-use gearmesh::gear::{Flank, PairGeometry};
-use gearmesh::pair::{Pair, Refinement};
-use gearmesh::random::Random;
-use gearmesh::table::{
-    Axes, FrictionRecord, LoadAxes, LoadSpline, RootStressRecord, Table, TableFile,
-};
-use gearmesh_preprocessor::contact::{PositionRoots, condensed_roots, contact_file};
-use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
-use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{
-    Coverage, RootStressSweep, TeethSweep, default_root_stress_axes, default_sliding_axes,
-    default_teeth_axes, displacement_nodes, mesh_positions, sweep, sweep_sliding,
-};
+use super::element::{FORMULATIONS, at, spun, undamped};
+use super::tooth_pairs::Ready;
+use super::*;
+use gearmesh::element::*;
 use nalgebra::{Rotation3, Vector3};
-use std::f64::consts::TAU;
-use std::sync::Arc;
-
-#[path = "common/element.rs"]
-mod element;
-#[path = "common/solver.rs"]
-mod solver;
-use element::{FORMULATIONS, at, spun, undamped};
-use solver::{QUIET, coarse_solver, with_stations};
 
 /// The nominal pose with gear 1, of `geometry`, turned so far that its flank `s` is compressed by `delta` (m, line of action) against the
 /// touching pose.
@@ -48,12 +23,23 @@ fn axes(positions: usize) -> Axes {
     }
 }
 
-/// A real pair on coarse finite elements, with the sliding of its load at every level of stiffness that knows of it.
+fn made(
+    geometry: &PairGeometry,
+    parameters: &Parameters,
+    table: &Arc<TableFile>,
+    contact: &ContactFile,
+) -> Result<Element, ElementError> {
+    if parameters.stiffness_model == StiffnessModel::Contact {
+        return Element::with_contact(geometry, parameters, contact);
+    }
+    let table = Table::with_effects(table.clone(), parameters.table_effects(geometry)).unwrap();
+    Element::new(geometry, parameters, Some(Arc::new(table)))
+}
+
+/// A real pair with the sliding of its load at every level of stiffness that knows of it.
 struct Rubbing {
-    pair: Pair,
-    solver: ContactSolver,
-    table: TableFile,
-    contact: ContactFile,
+    ready: Ready,
+    table: Arc<TableFile>,
 }
 
 const LEVELS: [StiffnessModel; 3] = [
@@ -67,45 +53,31 @@ impl Rubbing {
         let mut pair = pair::from_json(text).unwrap();
         pair.friction = friction;
         pair.operating.center_distance_offset = [0.0; 2];
-        let geometry = &pair.geometry;
-        let solver = coarse_solver(&pair, ContactSettings::for_pair(&pair));
-        let top = pair.operating.maximum_torque;
-        let grid = sweep(&solver, Flank::Drive, &axes(32), top, QUIET).unwrap();
-        let coverage = Coverage {
-            center_distance_offset: None,
-            misalignment: None,
-            nominal_torque: 0.5 * top,
-            maximum_torque: top,
-        };
-        let contact = contact_file(&pair, &solver).unwrap();
-        let teeth = TeethSweep {
-            solver: &solver,
-            contact: &contact,
-            coverage: &coverage,
-            coast_mirrors_drive: true,
-            friction: true,
-        };
-        let teeth = teeth.record(&default_teeth_axes(&coverage), 1, QUIET);
-        let axes = default_sliding_axes(&coverage, geometry.gears[0].base_radius());
-        let mut table = TableFile::new("c", "test", geometry, [0.5 * top, top], &grid, None);
-        table.teeth = Some(teeth.unwrap());
+        let settings = ContactSettings::for_pair(&pair);
+        let ready = Ready::new(pair, settings, None);
+        let Ready {
+            pair,
+            solver,
+            coverage,
+            ..
+        } = &ready;
+        let torques = [coverage.nominal_torque, coverage.maximum_torque];
+        let grid = sweep(solver, Flank::Drive, &axes(32), torques[1], &QUIET).unwrap();
+        let mut table = TableFile::new("c", "test", &pair.geometry, torques, &grid, None);
+        table.teeth = Some(ready.record(&default_teeth_axes(coverage), 1));
+        let axes = default_sliding_axes(coverage, pair.geometry.gears[0].base_radius());
         table.friction = Some(FrictionRecord {
-            law: pair.friction,
-            drive: sweep_sliding(&solver, Flank::Drive, &axes, QUIET).unwrap(),
+            law: friction,
+            drive: sweep_sliding(solver, Flank::Drive, &axes, &QUIET).unwrap(),
             coast: None,
             axes,
         });
         table.seal();
-        Rubbing {
-            pair,
-            solver,
-            table,
-            contact: ContactFile::from_bytes(&contact.to_bytes()).unwrap(),
-        }
+        let table = Arc::new(table);
+        Rubbing { ready, table }
     }
 
     fn element(&self, stiffness_model: StiffnessModel, friction: bool) -> Element {
-        let geometry = &self.pair.geometry;
         let parameters = Parameters {
             stiffness_model,
             center_distance_effect: false,
@@ -114,22 +86,16 @@ impl Rubbing {
             friction_transition_speed: 1e-6,
             ..undamped(Formulation::Conjugate, LoadedFlank::Both)
         };
-        let element = match stiffness_model {
-            StiffnessModel::Contact => Element::with_contact(geometry, &parameters, &self.contact),
-            _ => {
-                let effects = parameters.table_effects(geometry);
-                let table = Table::with_effects(Arc::new(self.table.clone()), effects).unwrap();
-                Element::new(geometry, &parameters, Some(Arc::new(table)))
-            }
-        };
-        element.unwrap()
+        let Ready { pair, contact, .. } = &self.ready;
+        made(&pair.geometry, &parameters, &self.table, contact).unwrap()
     }
 
     /// Turned by `cycles` base pitches under load, gear 1 with `spin`.
     fn turning(&self, element: &Element, cycles: f64, spin: f64) -> Inputs {
-        let [z1, z2] = self.pair.geometry.gears.each_ref().map(|g| g.z());
+        let geometry = &self.ready.pair.geometry;
+        let [z1, z2] = geometry.gears.each_ref().map(|g| g.z());
         let turn = cycles * TAU / z1;
-        let inputs = compressed(&self.pair.geometry, element, 1.0, 12e-6);
+        let inputs = compressed(geometry, element, 1.0, 12e-6);
         let mut inputs = spun(&spun(&inputs, 0, turn), 1, -turn * z1 / z2);
         inputs.gears[0].w.z = spin;
         inputs.gears[1].w.z = -spin * z1 / z2;
@@ -144,22 +110,16 @@ fn friction_share(rubbed: &Outputs, free: &Outputs) -> [f64; 4] {
     [force.x, force.y, m1, m2]
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// Friction turns round at the pitch point: what the element loses is what the line loads of the contact solver lose, whatever
 /// its level, and over the mesh cycle the loss of `gearmesh solve`. Forces and moments are those of the table.
 #[test]
 fn a_real_pair_loses_what_its_line_loads_lose_at_every_level() {
-    let spur = include_str!("../resources/pairs/fzg-c.json");
-    let helical = include_str!("../resources/pairs/palermo2013.json");
     let schlenk = FrictionLaw::schlenk(20e-3, [0.4e-6; 2], 0.846);
     let xu_kahraman = FrictionLaw::xu_kahraman(20e-3, [0.4e-6, 0.3e-6]);
     let spin = 150.0;
-    for (name, text, law) in [("spur", spur, xu_kahraman), ("helical", helical, schlenk)] {
+    for (name, text, law) in [("spur", SPUR, xu_kahraman), ("helical", PAPER, schlenk)] {
         let real = Rubbing::new(text, law);
-        let geometry = &real.pair.geometry;
+        let geometry = &real.ready.pair.geometry;
         let rolling = spin * geometry.rolling_speed_per_spin(geometry.center_distance);
         let mut by_table = vec![];
         for level in LEVELS {
@@ -177,31 +137,32 @@ fn a_real_pair_loses_what_its_line_loads_lose_at_every_level() {
                 assert_relative_eq!(work, out.friction_power, max_relative = 1e-6);
                 let force = out.tangential_force / element.line_of_action(out.center_distance);
                 let torque = force * geometry.gears[0].base_radius();
-                let position = real.solver.position(Flank::Drive, out.mesh_position, 0.0);
+                let position = real
+                    .ready
+                    .solver
+                    .position(Flank::Drive, out.mesh_position, 0.0);
                 let problem = position.unwrap();
                 let result = problem.solve_torque(torque, 0.0, None).unwrap();
-                let sliding = real.solver.sliding(&problem, &result, &law);
+                let sliding = real.ready.solver.sliding(&problem, &result, &law);
                 let mu = law.coefficient(geometry).at(force, rolling);
-                let lost = gearmesh::friction::loss_factor_of(geometry, sliding.distance);
+                let lost = loss_factor_of(geometry, sliding.distance);
                 found.push(-out.friction_power);
                 listed.push(mu * lost * torque * spin);
                 shares.push(friction_share(&out, &bare));
             }
-            let off = found.iter().zip(&listed).map(|(f, l)| (f - l).abs());
-            let largest = off.fold(0.0, f64::max) / mean(&listed);
+            let off: Vec<f64> = found.iter().zip(&listed).map(|(f, l)| f - l).collect();
+            let largest = most(&off) / mean(&listed);
             assert_relative_eq!(mean(&found), mean(&listed), max_relative = 5e-3);
             assert!(largest < 0.05, "{name} {level:?}: {largest}");
             if level == StiffnessModel::Table {
-                by_table = shares;
-                continue;
+                by_table = shares.clone();
             }
             for part in 0..4 {
-                let size = by_table.iter().map(|s| s[part] * s[part]).sum::<f64>();
-                let off = shares.iter().zip(&by_table);
-                let off = off.map(|(a, b)| (a[part] - b[part]).powi(2)).sum::<f64>();
-                let rms = (off / size).sqrt();
+                let [own, known] = [&shares, &by_table]
+                    .map(|shares| shares.iter().map(|share| share[part]).collect::<Vec<f64>>());
+                let off: Vec<f64> = own.iter().zip(&known).map(|(a, b)| a - b).collect();
                 // Tables round off the steps where tooth pairs come, go and pass the pitch point.
-                assert!(rms < 0.04, "{name} {level:?} {part}: {rms}");
+                assert!(rms(&off) < 0.04 * rms(&known), "{name} {level:?} {part}");
             }
         }
     }
@@ -213,8 +174,8 @@ fn a_real_pair_loses_what_its_line_loads_lose_at_every_level() {
 fn friction_of_one_spur_tooth_pair_has_the_lengths_of_roll_as_arms() {
     let mu = 0.07;
     let law = FrictionLaw::Constant { coefficient: mu };
-    let real = Rubbing::new(include_str!("../resources/pairs/fzg-c.json"), law);
-    let geometry = &real.pair.geometry;
+    let real = Rubbing::new(SPUR, law);
+    let geometry = &real.ready.pair.geometry;
     let (c, pitch) = (geometry.center_distance, geometry.base_pitch());
     for level in LEVELS {
         let [element, free] = [true, false].map(|friction| real.element(level, friction));
@@ -266,10 +227,7 @@ fn slopes(element: &Element, inputs: &Inputs, freedom: usize) -> [[f64; CONTINUO
 /// Derivatives under friction are those of differences, at the levels that find sliding themselves.
 #[test]
 fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
-    let real = Rubbing::new(
-        include_str!("../resources/pairs/palermo2013.json"),
-        FrictionLaw::default(),
-    );
+    let real = Rubbing::new(PAPER, FrictionLaw::default());
     for level in [StiffnessModel::Teeth, StiffnessModel::Contact] {
         let element = real.element(level, true);
         for cycles in [0.13, 0.62] {
@@ -288,14 +246,10 @@ fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
 /// the contact solver there.
 #[test]
 fn a_real_pair_has_the_root_stress_of_its_line_loads() {
-    let text = include_str!("../resources/pairs/palermo2013.json");
-    let mut pair = pair::from_json(text).unwrap();
-    pair.refinement = Refinement::Coarse;
+    let pair = pair::from_json(PAPER).unwrap();
     let geometry = &pair.geometry;
     let solver = coarse_solver(&pair, with_stations(12));
-    let elastic = Settings::for_pair(&pair);
-    let models = pair_root_stress(geometry, Flank::Drive, &elastic, None, &|_, _, _| true);
-    let models = models.unwrap().gears;
+    let models = root_models(&pair, Flank::Drive);
     let coverage = Coverage {
         center_distance_offset: Some([-50e-6, 50e-6]),
         misalignment: Some([-1e-3, 1e-3]),
@@ -303,12 +257,11 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         maximum_torque: 200.0,
     };
     let axes = Axes {
-        displacement_fraction: displacement_nodes(6, 1.6),
         center_distance_offset: vec![-50e-6, -20e-6, 20e-6, 50e-6],
         misalignment: vec![-1e-3, -0.4e-3, 0.0, 0.4e-3, 1e-3],
-        mesh_position: mesh_positions(12),
+        ..axes(12)
     };
-    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, QUIET).unwrap();
+    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &QUIET).unwrap();
     let roots = RootStressSweep {
         solver: &solver,
         models: &models,
@@ -316,14 +269,14 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     };
     let every = default_root_stress_axes(&coverage, geometry.gears[0].base_radius());
     let axes = LoadAxes {
-        center_distance_offset_m: axes.center_distance_offset.clone(),
+        center_distance_offset_m: axes.center_distance_offset,
         misalignment_rad: every.misalignment_rad.iter().copied().step_by(2).collect(),
         mesh_position: mesh_positions(32),
         ..every
     };
-    let drive = roots.samples(&axes, QUIET).unwrap();
+    let drive = roots.samples(&axes, &QUIET).unwrap();
     let stress = LoadSpline::new(axes.nodes(), &drive.columns(), [true; 2]).unwrap();
-    let error = roots.measure(&coverage, &stress, 200).unwrap();
+    let error = roots.measure(&coverage, &stress, 200, &QUIET).unwrap();
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
     file.root_stress = Some(RootStressRecord {
@@ -333,12 +286,9 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         interpolation_error: error,
     });
     file.seal();
-    let table = Table::from_json(&file.to_json()).unwrap();
-    let mut random = Random::new(91u64.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
-    let mut noise = || random.within([-1.0, 1.0]);
-    let (mut compared, mut largest) = (0, 0.0f64);
-    let mut contact = contact_file(&pair, &solver).unwrap();
-    let without = contact.clone();
+    let table = Arc::new(TableFile::from_json(&file.to_json()).unwrap());
+    let without = contact_file(&pair, &solver).unwrap();
+    let mut contact = without.clone();
     let condensed = condensed_roots(&solver, Flank::Drive, &models).unwrap();
     Arc::make_mut(&mut contact.drive).roots = Some(condensed);
     let contact = ContactFile::from_bytes(&contact.to_bytes()).unwrap();
@@ -348,14 +298,11 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
             root_stress: true,
             ..undamped(formulation, LoadedFlank::Drive)
         };
-        let file = table.file.clone();
-        let table = Table::with_effects(file, parameters.table_effects(geometry)).unwrap();
-        let table = Some(Arc::new(table));
-        match stiffness_model {
-            StiffnessModel::Contact => Element::with_contact(geometry, &parameters, contact),
-            _ => Element::new(geometry, &parameters, table),
-        }
+        made(geometry, &parameters, &table, contact)
     };
+    let mut random = Random::new(91u64.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let mut noise = || random.within([-1.0, 1.0]);
+    let (mut compared, mut largest) = (0, 0.0f64);
     for formulation in FORMULATIONS {
         let elements = [StiffnessModel::Table, StiffnessModel::Contact]
             .map(|model| level(formulation, model, &contact).unwrap());
@@ -376,8 +323,8 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
                 let problem = solver.position(Flank::Drive, out.mesh_position, offset);
                 let problem = problem.unwrap();
                 let result = problem.solve_torque(torque, out.misalignment, None);
-                let direct = PositionRoots::new(&problem, &models);
-                let direct = direct.largest(&result.unwrap()).unwrap();
+                let direct = PositionRoots::new(&problem, &models).largest(&result.unwrap());
+                let direct = direct.unwrap();
                 for (found, known) in out.root_stress.iter().zip(direct) {
                     largest = largest.max((found / known - 1.0).abs());
                 }

@@ -1,18 +1,10 @@
 //! Contact of random realistic pairs, and of the smallest file of the documentation at the ends of what its fields allow:
 //! none refused whose flanks steel can carry.
 //!
-//! `GEARMESH_SWEEP=60 cargo test --release --test realistic_pairs` goes through so many gear bodies, each with
+//! `GEARMESH_SWEEP=60 cargo test --release --test contact realistic` goes through so many gear bodies, each with
 //! five sets of modifications, loads and settings of the solver.
-use gearmesh::contact::ContactSettings;
-use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
-use gearmesh_preprocessor::finite_element::{ModelCache, Settings};
-use gearmesh_preprocessor::pair;
-use serde_json::{Value, json};
 
-#[path = "common/solver.rs"]
-mod solver;
-use solver::solver;
+use super::*;
 
 /// Bodies without `GEARMESH_SWEEP`.
 const BODIES: usize = 3;
@@ -133,7 +125,7 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
 
 /// The smallest file that docs/pair-file.md shows.
 fn smallest_pair() -> Value {
-    let page = include_str!("../docs/pair-file.md");
+    let page = include_str!("../../docs/pair-file.md");
     let (_, from) = page.split_once("```json\n").expect("a file");
     serde_json::from_str(from.split_once("```").expect("its end").0).unwrap()
 }

@@ -1,46 +1,28 @@
 //! Claims about tooth pairs one by one (`stiffnessModel = teeth`), on a real pair with coarse finite elements.
 
-use approx::{assert_abs_diff_eq, assert_relative_eq};
-use gearmesh::contact::{ContactFile, ContactPotential, ContactSolver, RuntimeContact, Warm};
+use super::*;
 use gearmesh::gear::tolerance::random_index_errors;
-use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
-use gearmesh::pair::Pair;
-use gearmesh::random::Random;
-use gearmesh::root::bisection;
-use gearmesh::table::{
-    Axes, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile, TeethFlank,
-    TeethRecord,
-};
-use gearmesh_preprocessor::contact::contact_file;
-use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{
-    Coverage, TeethSweep, default_teeth_axes, displacement_nodes, measure, mesh_positions, sweep,
-};
-use std::sync::LazyLock;
-
-#[path = "common/solver.rs"]
-mod solver;
-use solver::{QUIET, coarse_solver, with_stations};
 
 /// That of the pair file.
 const MISALIGNMENT: [f64; 2] = [-3e-3, 3e-3];
 
-/// A pair on coarse finite elements.
-struct Ready {
-    pair: Pair,
-    solver: ContactSolver,
-    coverage: Coverage,
-    contact: ContactFile,
+/// A pair on coarse finite elements, and its contact at run time as a file has it.
+pub(super) struct Ready {
+    pub(super) pair: Pair,
+    pub(super) solver: ContactSolver,
+    pub(super) coverage: Coverage,
+    pub(super) contact: ContactFile,
 }
 
 impl Ready {
-    fn new(pair: Pair, stations: usize, misalignment: [f64; 2]) -> Self {
-        let solver = coarse_solver(&pair, with_stations(stations));
+    pub(super) fn new(pair: Pair, settings: ContactSettings, tilt: Option<[f64; 2]>) -> Self {
+        let solver = coarse_solver(&pair, settings);
+        let contact = contact_file(&pair, &solver).unwrap();
         Ready {
-            contact: contact_file(&pair, &solver).unwrap(),
+            contact: ContactFile::from_bytes(&contact.to_bytes()).unwrap(),
             coverage: Coverage {
                 center_distance_offset: None,
-                misalignment: Some(misalignment),
+                misalignment: tilt,
                 nominal_torque: pair.operating.nominal_torque,
                 maximum_torque: pair.operating.maximum_torque,
             },
@@ -56,7 +38,7 @@ impl Ready {
         }
     }
 
-    fn record(&self, axes: &Axes, points: usize) -> TeethRecord {
+    pub(super) fn record(&self, axes: &Axes, points: usize) -> TeethRecord {
         let sweep = TeethSweep {
             solver: &self.solver,
             contact: &self.contact,
@@ -64,14 +46,13 @@ impl Ready {
             coast_mirrors_drive: true,
             friction: true,
         };
-        sweep.record(axes, points, QUIET).unwrap()
+        sweep.record(axes, points, &QUIET).unwrap()
     }
 }
 
 /// The paper's pair with class 6 errors on gear 1 and run-out of gear 2.
 static READY: LazyLock<Ready> = LazyLock::new(|| {
-    let text = include_str!("../resources/pairs/palermo2013.json");
-    let mut pair = pair::from_json(text).unwrap();
+    let mut pair = pair::from_json(PAPER).unwrap();
     let (amount, angle) = (10e-6, 0.4);
     let mut errors = [ToothErrors::default(), ToothErrors::default()];
     errors[0].index = random_index_errors(&pair.geometry.gears[0], 6, 1);
@@ -80,7 +61,7 @@ static READY: LazyLock<Ready> = LazyLock::new(|| {
         drive: errors.clone(),
         coast: errors,
     };
-    Ready::new(pair, 12, MISALIGNMENT)
+    Ready::new(pair, with_stations(12), Some(MISALIGNMENT))
 });
 
 static RECORD: LazyLock<TeethRecord> = LazyLock::new(|| READY.record(&READY.axes(), 400));
@@ -123,8 +104,7 @@ const CYCLES: [i64; 2] = [3, -2];
 
 /// Contact at run time there.
 fn exact(contact: &RuntimeContact, q: &Query) -> ContactPotential {
-    let found = contact.potential(q.coordinates(), CYCLES, &mut Warm::default());
-    found.unwrap()
+    ask(contact, q.coordinates(), CYCLES)
 }
 
 /// Nominal force, N, and moment of it at an end of the face, N m.
@@ -141,17 +121,16 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
     // What the record says is what is found at other points.
     let level = level(&RECORD);
     let contact = READY.contact.flank(Flank::Drive).unwrap();
-    let [force, moment] = nominal();
-    let mut random = Random::new(5);
-    let mut squares = [0.0; 2];
-    let n = 300;
-    for _ in 0..n {
+    let (mut random, scales) = (Random::new(5), nominal());
+    let mut errors = [vec![], vec![]];
+    for _ in 0..300 {
         let q = query(&mut random);
         let (found, exact) = (level.evaluate(&q, CYCLES, false), exact(&contact, &q));
-        squares[0] += ((found.gradient[0] - exact.gradient[0]) / force).powi(2);
-        squares[1] += ((found.gradient[2] - exact.gradient[2]) / moment).powi(2);
+        for (i, k) in [0, 2].into_iter().enumerate() {
+            errors[i].push((found.gradient[k] - exact.gradient[k]) / scales[i]);
+        }
     }
-    let [force, moment] = squares.map(|s| (s / f64::from(n)).sqrt());
+    let [force, moment] = errors.map(|errors| rms(&errors));
     for rms in [force, error.force_rms, moment, error.moment_rms] {
         assert!(rms < 1e-2, "{force} {moment} {error:?}");
     }
@@ -187,13 +166,6 @@ fn the_loss_with_class_6_errors_is_that_of_contact_at_run_time() {
             assert!(error.abs() < 0.02, "{misalignment:?} {load}: {error}");
         }
     }
-    let mut bare = RECORD.clone();
-    bare.drive.sliding = None;
-    let error = TeethFlank::new(&bare, geometry, Flank::Drive, &effects).unwrap_err();
-    assert!(
-        error.to_string().contains("gearmesh tables --friction"),
-        "{error}"
-    );
 }
 
 #[test]
@@ -203,8 +175,7 @@ fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
     let mut random = Random::new(6);
     for part in [0.1, 0.25] {
         let force = part * nominal()[0];
-        let (mut sum, mut most, n) = (0.0, 0.0f64, 200);
-        for _ in 0..n {
+        let error = |_| {
             let mesh_position = random.within([-200.0, 200.0]);
             let approach = |carried: &dyn Fn(&Query) -> f64| {
                 bisection([-60e-6, 60e-6], 40, |delta| {
@@ -212,20 +183,19 @@ fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
                 })
             };
             let found = approach(&|q| level.evaluate(q, CYCLES, false).gradient[0]);
-            let error = found - approach(&|q| exact(&contact, q).gradient[0]);
-            sum += error;
-            most = most.max(error.abs());
-        }
-        let bias = sum / f64::from(n);
-        let [bias, most] = [1e6 * bias.abs(), 1e6 * most];
-        assert!(bias < 0.02 && most < 0.04, "{part}: {bias} {most} um");
+            1e6 * (found - approach(&|q| exact(&contact, q).gradient[0]))
+        };
+        let errors: Vec<f64> = (0..200).map(error).collect();
+        let (bias, most) = (mean(&errors), most(&errors));
+        assert!(bias.abs() < 0.02 && most < 0.04, "{part}: {bias} {most} um");
     }
 }
 
 /// The record of a pair file with few nodes.
 fn record_of(text: &str) -> TeethRecord {
     let nodes = vec![-5e-4, -2e-4, 0.0, 2e-4, 5e-4];
-    let ready = Ready::new(pair::from_json(text).unwrap(), 16, [nodes[0], nodes[4]]);
+    let (pair, ends) = (pair::from_json(text).unwrap(), [nodes[0], nodes[4]]);
+    let ready = Ready::new(pair, with_stations(16), Some(ends));
     let axes = Axes {
         misalignment: nodes,
         ..ready.axes()
@@ -236,8 +206,7 @@ fn record_of(text: &str) -> TeethRecord {
 #[test]
 fn spur_teeth_of_a_short_path_of_contact_are_told_one_by_one() {
     // Approach and recess are shorter than a base pitch each.
-    let text = include_str!("../resources/pairs/fzg-c.json");
-    let record = record_of(text);
+    let record = record_of(SPUR);
     assert_eq!(record.coupling_m_per_n.len(), 1);
     assert!(record.error.force_rms < 5e-3, "{:?}", record.error);
 }
@@ -245,46 +214,39 @@ fn spur_teeth_of_a_short_path_of_contact_are_told_one_by_one() {
 #[test]
 fn tooth_pairs_on_a_soft_body_share_it_however_far_they_are_apart() {
     // Of a narrow reduction gear with a long path of contact on a small bore.
-    let text = r#"{ "name": "soft", "meshing": "external", "normal_module_mm": 1.75, "normal_pressure_angle_deg": 17.5,
-        "helix_angle_deg": 29.5, "backlash_um": 90.0, "face_offset_mm": 0.5,
-        "gear1": { "teeth": 23, "profile_shift": 0.3, "face_width_mm": 14.0, "addendum_coefficient": 1.2,
-            "dedendum_coefficient": 1.5, "tool_tip_radius_coefficient": 0.3, "bore_diameter_mm": 28.0,
-            "lead_crowning_um": 4.0 },
-        "gear2": { "teeth": 81, "face_width_mm": 13.0, "addendum_coefficient": 1.2, "dedendum_coefficient": 1.5,
-            "tool_tip_radius_coefficient": 0.3, "bore_diameter_mm": 60.0 },
-        "operating": { "nominal_torque_nm": 75.0, "maximum_torque_nm": 150.0,
-            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-0.5, 0.5] } }"#;
-    let record = record_of(text);
+    let record = record_of(&reduction([14.0, 13.0], 75.0).to_string());
     let rows = &record.coupling_m_per_n;
     assert!(rows[1][2] > 0.9 * rows[0][2], "{rows:?}");
     assert!(record.error.force_rms < 1e-2, "{:?}", record.error);
 }
 
-#[test]
-fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
-    let level = level(&alike());
+/// The table of all teeth alike with so many mesh positions.
+fn swept(positions: usize) -> FlankGrid {
     let axes = Axes {
-        mesh_position: mesh_positions(32),
+        mesh_position: mesh_positions(positions),
         ..READY.axes()
     };
     let torque = READY.coverage.maximum_torque;
-    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, QUIET).unwrap();
-    let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+    sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap()
+}
+
+#[test]
+fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
+    let level = level(&alike());
+    let table = FlankTable::new(&swept(32), Interpolation::Spline).unwrap();
     let (solver, geometry) = (&READY.solver, &READY.pair.geometry);
     let (flank, coverage) = (Flank::Drive, &READY.coverage);
-    let of_table = measure(solver, geometry, flank, coverage, &table, 200);
-    let of_table = of_table.unwrap().force_rms;
-    let [force, _] = nominal();
-    let (mut square, n) = (0.0, 1000);
+    let of_table = measure(solver, geometry, flank, coverage, &table, 200, &QUIET);
+    let stated = RECORD.error.force_rms + of_table.unwrap().force_rms;
     let mut random = Random::new(6);
-    for _ in 0..n {
-        let q = query(&mut random);
-        let difference =
-            level.evaluate(&q, [0; 2], false).gradient[0] - table.evaluate(&q, false).gradient[0];
-        square += (difference / force).powi(2);
-    }
-    let rms = (square / f64::from(n)).sqrt();
-    let stated = RECORD.error.force_rms + of_table;
+    let differences: Vec<f64> = (0..1000)
+        .map(|_| {
+            let q = query(&mut random);
+            let [a, b] = [level.evaluate(&q, [0; 2], false), table.evaluate(&q, false)];
+            (a.gradient[0] - b.gradient[0]) / nominal()[0]
+        })
+        .collect();
+    let rms = rms(&differences);
     assert!(rms < stated, "{rms} {stated}");
 }
 
@@ -304,44 +266,38 @@ fn on_soft_bodies() -> TeethRecord {
 
 #[test]
 fn loads_and_their_slopes_are_those_of_one_potential() {
-    loads_are_slopes(&level(&RECORD));
-    loads_are_slopes(&level(&on_soft_bodies()));
-}
-
-fn loads_are_slopes(level: &TeethFlank) {
-    let mut random = Random::new(7);
-    let (mut loaded, mut shared) = (0, 0);
-    while loaded < 200 {
-        let q = query(&mut random);
-        let w = level.evaluate(&q, [5, 5], true);
-        if w.gradient[0] < 100.0 {
-            continue;
-        }
-        loaded += 1;
-        shared += usize::from(w.hessian[0][0] > 2.5e8);
-        let x = q.coordinates();
-        for (k, step) in [(0, 1e-8), (2, 2e-7), (3, 5e-5)] {
-            let side = |h: f64| {
-                let mut x = x;
-                x[k] += h * step;
-                level.evaluate(&Query::from(x), [5, 5], false)
-            };
-            let sides = [side(1.0), side(-1.0), side(2.0), side(-2.0)];
-            let slope = |of: &dyn Fn(&Potential) -> f64| {
-                let [a, b, c, d] = sides.each_ref().map(of);
-                (8.0 * (a - b) - (c - d)) / (12.0 * step)
-            };
-            // Third derivatives jump at the knots.
-            let bound = 2e-6 * w.gradient[k].abs() + 1e-9 * w.value / step;
-            assert_abs_diff_eq!(slope(&|w| w.value), w.gradient[k], epsilon = bound);
-            for i in [0, 2, 3] {
-                let by_load = slope(&|w| w.gradient[i]);
-                let bound = 1e-3 * (w.hessian[i][i] * w.hessian[k][k]).abs().sqrt();
-                assert_abs_diff_eq!(by_load, w.hessian[i][k], epsilon = bound);
+    for record in [&*RECORD, &on_soft_bodies()] {
+        let level = level(record);
+        let mut random = Random::new(7);
+        let (mut loaded, mut shared) = (0, 0);
+        while loaded < 200 {
+            let q = query(&mut random);
+            let w = level.evaluate(&q, [5, 5], true);
+            if w.gradient[0] < 100.0 {
+                continue;
+            }
+            loaded += 1;
+            shared += usize::from(w.hessian[0][0] > 2.5e8);
+            let x = q.coordinates();
+            for (k, step) in [(0, 1e-8), (2, 2e-7), (3, 5e-5)] {
+                let at = |by: f64| {
+                    let mut x = x;
+                    x[k] += by;
+                    level.evaluate(&Query::from(x), [5, 5], false)
+                };
+                // Third derivatives jump at the knots.
+                let bound = 2e-6 * w.gradient[k].abs() + 1e-9 * w.value / step;
+                let by_energy = slope(step, |by| at(by).value);
+                assert_abs_diff_eq!(by_energy, w.gradient[k], epsilon = bound);
+                for i in [0, 2, 3] {
+                    let by_load = slope(step, |by| at(by).gradient[i]);
+                    let bound = 1e-3 * (w.hessian[i][i] * w.hessian[k][k]).abs().sqrt();
+                    assert_abs_diff_eq!(by_load, w.hessian[i][k], epsilon = bound);
+                }
             }
         }
+        assert!(shared > 20);
     }
-    assert!(shared > 20);
 }
 
 #[test]
@@ -385,10 +341,9 @@ fn neighbours_lift_off_and_touch_without_a_jump() {
 }
 
 #[test]
-fn a_record_that_makes_no_sense_is_refused_by_field() {
+fn a_record_that_makes_no_sense_and_teeth_that_are_not_told_apart_are_refused_by_field() {
     let geometry = &READY.pair.geometry;
-    let good: &TeethRecord = &RECORD;
-    good.check(geometry).unwrap();
+    RECORD.check(geometry).unwrap();
     let (coupling, distances) = ("teeth.coupling_m_per_n", "1 to 7 base pitches");
     let on_coast = "teeth.coast_coupling_m_per_n";
     type Change = fn(&mut TeethRecord);
@@ -422,30 +377,38 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
             r.drive.sliding.as_mut().unwrap().share.truncate(3)
         }),
     ];
-    for (field, change) in changes {
-        let mut record = good.clone();
+    let changed = |change: Change| {
+        let mut record = RECORD.clone();
         change(&mut record);
-        let error = record.check(geometry).unwrap_err().to_string();
+        record
+    };
+    for (field, change) in changes {
+        let error = changed(change).check(geometry).unwrap_err().to_string();
         assert!(error.contains(field), "{error}");
     }
-    // A coupling beyond what tooth pairs give way has no single solution.
-    let mut record = good.clone();
-    record.coupling_m_per_n = vec![vec![1e-8]];
-    record.check(geometry).unwrap();
-    let error = TeethFlank::new(&record, geometry, Flank::Drive, &EFFECTS).unwrap_err();
-    assert!(error.to_string().contains("teeth.coupling"), "{error}");
-}
-
-#[test]
-fn teeth_that_are_not_told_apart_are_refused_by_field() {
+    // A coupling beyond what tooth pairs give way has no single solution; friction asks for how loads slide.
+    let friction = Effects {
+        friction: true,
+        ..EFFECTS
+    };
+    let beyond: Change = |r| r.coupling_m_per_n = vec![vec![1e-8]];
+    let bare: Change = |r| r.drive.sliding = None;
+    for (change, effects, words) in [
+        (beyond, EFFECTS, "teeth.coupling"),
+        (bare, friction, "gearmesh tables --friction"),
+    ] {
+        let record = changed(change);
+        record.check(geometry).unwrap();
+        let error = TeethFlank::new(&record, geometry, Flank::Drive, &effects).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    }
     let (mut weak, mut own) = (PairTeeth::default(), PairTeeth::default());
-    weak.coast[1].weak.push(WeakTooth {
-        tooth: 3,
-        factor: 2.0,
-    });
+    let (tooth, factor) = (3, 2.0);
+    weak.coast[1].weak.push(WeakTooth { tooth, factor });
+    let microgeometry = READY.pair.microgeometry.drive[0].clone();
     own.coast[1].flanks.push(OwnFlank {
-        tooth: 3,
-        microgeometry: READY.pair.microgeometry.drive[0].clone(),
+        tooth,
+        microgeometry,
     });
     for (teeth, field) in [(weak, "compliance_factor"), (own, "topography_file")] {
         let error = TeethRecord::takes(&teeth).unwrap_err().to_string();
@@ -457,13 +420,8 @@ fn teeth_that_are_not_told_apart_are_refused_by_field() {
 
 #[test]
 fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
-    let axes = Axes {
-        mesh_position: mesh_positions(8),
-        ..READY.axes()
-    };
-    let torque = READY.coverage.maximum_torque;
-    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, QUIET).unwrap();
     let geometry = &READY.pair.geometry;
+    let grid = swept(8);
     let mut file = TableFile::new("pair", "test", geometry, [100.0, 200.0], &grid, None);
     let bare = file.to_json();
     assert!(!bare.contains("\"teeth\":{"));
@@ -471,24 +429,25 @@ fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
     file.seal();
     let again = TableFile::from_json(&file.to_json()).unwrap();
     assert_eq!(again, file);
-    let [drive, coast] =
-        TeethFlank::both(again.teeth.as_ref().unwrap(), geometry, &EFFECTS).unwrap();
-    assert!(drive.tells_teeth_apart() && coast.tells_teeth_apart());
-    // One number of a distance holds at all misalignments.
-    let one = 9e-10;
-    let with = |row: Vec<f64>| TeethRecord {
-        coupling_m_per_n: vec![row],
+    let both = TeethFlank::both(again.teeth.as_ref().unwrap(), geometry, &EFFECTS);
+    assert!(both.unwrap().iter().all(|flank| flank.tells_teeth_apart()));
+}
+
+#[test]
+fn one_coupling_of_a_distance_holds_at_all_misalignments() {
+    let [one, everywhere] = [1, RECORD.axes.misalignment.len()].map(|count| TeethRecord {
+        coupling_m_per_n: vec![vec![9e-10; count]],
         ..RECORD.clone()
-    };
-    let everywhere = with(vec![one; RECORD.axes.misalignment.len()]);
-    let one = with(vec![one]);
-    one.check(geometry).unwrap();
+    });
+    one.check(&READY.pair.geometry).unwrap();
     assert!(one.in_words().contains("others take 0.90 um/kN"));
-    let [one, everywhere] = [&one, &everywhere].map(level);
+    let levels = [&one, &everywhere].map(level);
     let mut random = Random::new(9);
     for _ in 0..100 {
         let q = query(&mut random);
-        let [a, b] = [&one, &everywhere].map(|level| level.evaluate(&q, [2, 3], true));
+        let [a, b] = levels
+            .each_ref()
+            .map(|level| level.evaluate(&q, [2, 3], true));
         for (a, b) in a.gradient.into_iter().zip(b.gradient) {
             assert_relative_eq!(a, b, max_relative = 1e-9);
         }

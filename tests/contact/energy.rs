@@ -1,19 +1,11 @@
 //! The element on the tables that are shipped: energy and momentum, at every state and over whole mesh cycles.
 
-use gearmesh::element::{
-    Element, Formulation, Inputs, Interpolation, LoadedFlank, Outputs, Parameters, StiffnessModel,
-};
-use gearmesh::random::Random;
-use gearmesh::table::Table;
-use nalgebra::{Rotation3, Vector3};
-use std::sync::Arc;
-
+use super::element::{self, power};
+use super::*;
 use Formulation::{Conjugate, Paper};
 use Interpolation::{Linear, Shepard, Spline};
-
-#[path = "common/element.rs"]
-mod common;
-use common::power;
+use gearmesh::element::*;
+use nalgebra::{Rotation3, Vector3};
 
 /// Loaded states for each of the twenty laws, over twenty thousand in all.
 const STATES: usize = 1040;
@@ -59,23 +51,13 @@ fn flow(out: &Outputs, inputs: &Inputs) -> f64 {
         .sum()
 }
 
-const PAIRS: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
-
-fn table(name: &str) -> Arc<Table> {
-    let path = format!(
-        "{}/resources/tables/{name}.json",
-        env!("CARGO_MANIFEST_DIR")
-    );
-    Arc::new(Table::read(path).unwrap())
-}
-
 /// The element on `table` with every effect, both flanks and no damping.
 fn undamped(table: &Arc<Table>, formulation: Formulation, interpolation: Interpolation) -> Element {
     let parameters = Parameters {
         stiffness_model: StiffnessModel::Table,
         backlash: Some(60e-6),
         interpolation,
-        ..common::undamped(formulation, LoadedFlank::Both)
+        ..element::undamped(formulation, LoadedFlank::Both)
     };
     Element::new(&table.file.geometry, &parameters, Some(table.clone())).unwrap()
 }
@@ -93,8 +75,8 @@ const LAWS: [(Formulation, Interpolation, f64); 5] = [
 fn the_loads_on_both_gears_balance_and_the_damper_gives_no_energy_and_leaves_the_rest_alone() {
     let mut states = Random::new(26);
     let mut found = Vec::new();
-    for name in PAIRS {
-        let table = table(name);
+    for name in TABLES {
+        let table = Arc::new(Table::from_file(tables(name)).unwrap());
         for (formulation, interpolation, damping) in LAWS {
             let free = undamped(&table, formulation, interpolation);
             let mut damped = free.clone();

@@ -2,7 +2,7 @@
 //!
 //! Every function that takes a component runs inside `call`, which refuses null components and wrong states, turns a
 //! panic into fmi2Fatal, and reports to the host's logger. What a function does is in the standard and in
-//! [`super::instance`]; tests/header.rs compares each signature with the standard's header.
+//! [`super::instance`]; tests/c_interface/header.rs compares each signature with the standard's header.
 //!
 //! # Safety
 //! All functions require of the host what the standard requires: a component is null or came from

@@ -1,6 +1,6 @@
 //! The types and constants of fmi2TypesPlatform.h and fmi2FunctionTypes.h (FMI 2.0.5) that the exports use.
 //!
-//! tests/header.rs compares them, and the signature of every export, with the standard's header at compile time.
+//! tests/c_interface/header.rs compares them, and the signature of every export, with the standard's header at compile time.
 #![allow(
     missing_docs,
     non_camel_case_types,

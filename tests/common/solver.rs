@@ -33,10 +33,8 @@ pub fn coarse_solver(pair: &Pair, contact: ContactSettings) -> ContactSolver {
         ..pair.clone()
     };
     let settings = Settings::for_pair(&coarse);
-    let compliance = pair.geometry.gears.each_ref().map(|gear| {
-        let model: Arc<dyn ToothCompliance> = kept(gear, &settings);
-        model
-    });
+    let kept = |gear| -> Arc<dyn ToothCompliance> { kept(gear, &settings) };
+    let compliance = pair.geometry.gears.each_ref().map(kept);
     ContactSolver::new(pair, compliance, contact).unwrap()
 }
 

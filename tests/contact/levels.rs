@@ -62,13 +62,13 @@ impl Rubbing {
             ..
         } = &ready;
         let torques = [coverage.nominal_torque, coverage.maximum_torque];
-        let grid = sweep(solver, Flank::Drive, &axes(32), torques[1], &QUIET).unwrap();
+        let grid = sweep(solver, Flank::Drive, &axes(32), torques[1], QUIET).unwrap();
         let mut table = TableFile::new("c", "test", &pair.geometry, torques, &grid, None);
         table.teeth = Some(ready.record(&default_teeth_axes(coverage), 1));
         let axes = default_sliding_axes(coverage, pair.geometry.gears[0].base_radius());
         table.friction = Some(FrictionRecord {
             law: friction,
-            drive: sweep_sliding(solver, Flank::Drive, &axes, &QUIET).unwrap(),
+            drive: sweep_sliding(solver, Flank::Drive, &axes, QUIET).unwrap(),
             coast: None,
             axes,
         });
@@ -247,23 +247,22 @@ fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
 #[test]
 fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let pair = pair::from_json(PAPER).unwrap();
+    let ready = Ready::new(pair, with_stations(12), Some([-1e-3, 1e-3]));
+    let Ready { pair, solver, .. } = &ready;
     let geometry = &pair.geometry;
-    let solver = coarse_solver(&pair, with_stations(12));
-    let models = root_models(&pair, Flank::Drive);
+    let models = root_models(pair, Flank::Drive);
     let coverage = Coverage {
         center_distance_offset: Some([-50e-6, 50e-6]),
-        misalignment: Some([-1e-3, 1e-3]),
-        nominal_torque: 100.0,
-        maximum_torque: 200.0,
+        ..ready.coverage
     };
     let axes = Axes {
         center_distance_offset: vec![-50e-6, -20e-6, 20e-6, 50e-6],
         misalignment: vec![-1e-3, -0.4e-3, 0.0, 0.4e-3, 1e-3],
         ..axes(12)
     };
-    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &QUIET).unwrap();
+    let grid = sweep(solver, Flank::Drive, &axes, 200.0, QUIET).unwrap();
     let roots = RootStressSweep {
-        solver: &solver,
+        solver,
         models: &models,
         flank: Flank::Drive,
     };
@@ -274,9 +273,9 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         mesh_position: mesh_positions(32),
         ..every
     };
-    let drive = roots.samples(&axes, &QUIET).unwrap();
+    let drive = roots.samples(&axes, QUIET).unwrap();
     let stress = LoadSpline::new(axes.nodes(), &drive.columns(), [true; 2]).unwrap();
-    let error = roots.measure(&coverage, &stress, 200, &QUIET).unwrap();
+    let error = roots.measure(&coverage, &stress, 200).unwrap();
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
     file.root_stress = Some(RootStressRecord {
@@ -287,9 +286,8 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     });
     file.seal();
     let table = Arc::new(TableFile::from_json(&file.to_json()).unwrap());
-    let without = contact_file(&pair, &solver).unwrap();
-    let mut contact = without.clone();
-    let condensed = condensed_roots(&solver, Flank::Drive, &models).unwrap();
+    let mut contact = ready.contact.clone();
+    let condensed = condensed_roots(solver, Flank::Drive, &models).unwrap();
     Arc::make_mut(&mut contact.drive).roots = Some(condensed);
     let contact = ContactFile::from_bytes(&contact.to_bytes()).unwrap();
     let level = |formulation, stiffness_model, contact: &ContactFile| {
@@ -342,10 +340,12 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
             assert_relative_eq!(slopes[i], differences[i], max_relative = 5e-3);
         }
     }
-    let refused = level(Formulation::Conjugate, StiffnessModel::Contact, &without);
-    let text = refused.err().unwrap().to_string();
-    assert!(
-        text.contains("rootStress = true") && text.contains("--contact --root-stress"),
-        "{text}"
+    let refused = level(
+        Formulation::Conjugate,
+        StiffnessModel::Contact,
+        &ready.contact,
     );
+    let text = refused.err().unwrap().to_string();
+    let words = ["rootStress = true", "--contact --root-stress"];
+    assert!(words.iter().all(|word| text.contains(word)), "{text}");
 }

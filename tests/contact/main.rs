@@ -80,6 +80,14 @@ fn reduction(faces: [f64; 2], torque: f64) -> Value {
     file
 }
 
+/// `geometry` without modifications, with the operating range of the paper's pair.
+fn pair_of(geometry: PairGeometry) -> Pair {
+    Pair {
+        geometry,
+        ..pair::from_json(UNMODIFIED).unwrap()
+    }
+}
+
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }

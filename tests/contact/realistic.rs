@@ -52,7 +52,7 @@ fn bodies(n: usize) -> Value {
 fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
     let mut file = bodies(n);
     let k = VARIANTS * n + v;
-    let module = file["normal_module_mm"].as_f64().unwrap();
+    let module = number(&file["normal_module_mm"]);
     let um = |d: usize, share: f64| 1e3 * module * share * draw(k, d);
     for (gear, d) in [("gear1", 6), ("gear2", 7)] {
         file[gear]["tip_relief"] = json!({
@@ -142,11 +142,11 @@ fn the_smallest_pair_bears_its_largest_load_at_the_ends_of_what_its_fields_allow
     ] {
         let mut file = smallest_pair();
         file["compliance"] = json!({ "refinement": "coarse" });
-        if field == "helix_angle_deg" {
-            file[field] = value.into();
-        } else {
-            file["gear1"][field] = value.into();
-            file["gear2"][field] = value.into();
+        match field {
+            "helix_angle_deg" => file[field] = value.into(),
+            _ => ["gear1", "gear2"]
+                .iter()
+                .for_each(|gear| file[gear][field] = value.into()),
         }
         let pair = pair::from_json(&file.to_string()).unwrap();
         let settings = Settings::for_pair(&pair);

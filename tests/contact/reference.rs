@@ -55,20 +55,14 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
                     continue;
                 };
                 let bound = relative * known.abs() + absolute;
-                let at = format!("{name} under {load} at {}", at["mesh_position"]);
-                assert!(
-                    (found - known).abs() < bound,
-                    "{at}: {key} {found} instead of {known}"
-                );
+                let what = format!("{name} under {load} at {}: {key}", at["mesh_position"]);
+                assert!((found - known).abs() < bound, "{what} {found} {known}");
             }
             found.push(ste);
             known.push(number(&at["ste_um"][i]));
         }
         let error = mean(&found) / mean(&known) - 1.0;
-        assert!(
-            error.abs() < of_mean,
-            "{name} under {load}: mean {error:+.4}"
-        );
+        assert!(error.abs() < of_mean, "{name} under {load}: {error:+.4}");
         // Tilts to both sides are mirror images where a cycle of equal gears begins: what the reference tells them apart by is its error.
         let first = |tilt: f64| {
             let is_same = |load: &Value| load[0] == torque && load[1] == tilt;
@@ -80,10 +74,10 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
         };
         let [spread, expected] = [&found, &known].map(|values| peak_to_peak(values));
         let bound = (0.02 * expected).max(0.05) + apart;
-        let at = format!("{name} under {load}");
+        let what = format!("{name} under {load}: peak to peak");
         assert!(
             (spread - expected).abs() < bound,
-            "{at}: peak to peak {spread} instead of {expected} um"
+            "{what} {spread} {expected}"
         );
     }
 }

@@ -6,16 +6,18 @@ use gearmesh_preprocessor::NominalRootStress;
 
 /// Two equal gears of opposite hand, 20 teeth, module 3 mm.
 fn pair(helix_deg: f64) -> Pair {
-    let gear =
-        r#"{ "teeth": 20, "profile_shift": 0.0, "face_width_mm": 18.0, "bore_diameter_mm": 24.0 }"#;
-    let text = format!(
-        r#"{{ "name": "roots", "meshing": "external", "normal_module_mm": 3.0,
-             "normal_pressure_angle_deg": 20.0, "helix_angle_deg": {helix_deg},
-             "gear1": {gear}, "gear2": {gear},
-             "operating": {{ "nominal_torque_nm": 100.0, "maximum_torque_nm": 150.0,
-               "center_distance_offset_um": [-20.0, 20.0], "misalignment_mrad": [-1.0, 1.0] }} }}"#
-    );
-    pair::from_json(&text).unwrap()
+    let gears = [1.0, -1.0].map(|hand| Gear {
+        face_width: 18e-3,
+        held_radius: 12e-3,
+        ..gears::with_module(
+            gears::gear(GearKind::External, 20, hand, helix_deg, 0.0),
+            3e-3,
+        )
+    });
+    pair_of(PairGeometry {
+        center_distance: 2.0 * gears[0].reference_radius(),
+        gears,
+    })
 }
 
 /// Roots of both gears at each of `cases` (torque, misalignment in rad).

@@ -57,7 +57,7 @@ fn each_agrees_with_fresh_solutions_within_its_stated_error() {
         let found = |interpolation| {
             let table = FlankTable::new(&file.drive_grid(), interpolation).unwrap();
             let (geometry, flank) = (&pair.geometry, Flank::Drive);
-            measure(&solver, geometry, flank, &coverage, &table, 100, &QUIET).unwrap()
+            measure(&solver, geometry, flank, &coverage, &table, 100).unwrap()
         };
         let stated = file.interpolation_error.unwrap();
         let spline = found(Interpolation::Spline);

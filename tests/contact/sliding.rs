@@ -46,13 +46,6 @@ fn even_line_load(pair: &Pair) -> Vec<Sliding> {
         .collect()
 }
 
-fn pair_of(geometry: gearmesh::gear::PairGeometry) -> Pair {
-    Pair {
-        geometry,
-        ..pair::from_json(UNMODIFIED).unwrap()
-    }
-}
-
 #[test]
 fn loss_factors_of_rigid_teeth_are_those_of_another_program() {
     for (name, geometry, _, _, listed) in FZG.map(|data| data.pair()) {

@@ -63,11 +63,8 @@ fn coast(text: &str, case: [f64; 3]) -> ContactResult {
 }
 
 fn assert_same(a: &ContactResult, b: &ContactResult, z_b: f64) {
-    assert_abs_diff_eq!(
-        a.approach,
-        b.approach,
-        epsilon = 1e-9 * a.approach.abs().max(1e-6)
-    );
+    let epsilon = 1e-9 * a.approach.abs().max(1e-6);
+    assert_abs_diff_eq!(a.approach, b.approach, epsilon = epsilon);
     assert_abs_diff_eq!(a.contact_z, z_b, epsilon = 1e-9);
     assert_relative_eq!(a.max_pressure, b.max_pressure, max_relative = 1e-7);
 }

@@ -33,9 +33,8 @@ impl Helicoids {
         let pitch_point = Vector3::new(c * z1 / (z1 + e * z2), 0.0, g.z_ref());
         let first = &g.gears[0];
         // The line of action touches the base circle.
-        assert!(
-            (pitch_point.xy().perp(&along.xy()).abs() / first.base_radius() - 1.0).abs() < 1e-9
-        );
+        let distance = pitch_point.xy().perp(&along.xy()).abs();
+        assert_relative_eq!(distance, first.base_radius(), max_relative = 1e-9);
         Helicoids {
             axes: [Vector3::zeros(), Vector3::new(c, 0.0, 0.0)],
             ratio: -e * z1 / z2,
@@ -74,10 +73,8 @@ impl Helicoids {
             let off = fixed - second(at);
             let [a, b] = slopes;
             let square = Matrix2::new(a.dot(&a), a.dot(&b), a.dot(&b), b.dot(&b));
-            at += square
-                .lu()
-                .solve(&Vector2::new(a.dot(&off), b.dot(&off)))
-                .unwrap();
+            let along = Vector2::new(a.dot(&off), b.dot(&off));
+            at += square.lu().solve(&along).unwrap();
         }
         let off = fixed - second(at);
         // Along the normal it is shorter by cos beta_b than on the line of action.
@@ -109,10 +106,7 @@ fn a_tilt_closes_helical_flanks_as_two_exact_helicoids() {
                 let exact = Helicoids::new(g, flank, start);
                 for (z, lever) in segment.points().into_iter().zip(segment.levers) {
                     let expected = exact.closing(z - g.z_ref(), tilt) / tilt;
-                    assert!(
-                        (lever - expected).abs() < 1e-6,
-                        "{meshing} {helix} {flank:?} at z {z}: {lever} instead of {expected} m"
-                    );
+                    assert_abs_diff_eq!(lever, expected, epsilon = 1e-6);
                     compared += 1;
                 }
             }

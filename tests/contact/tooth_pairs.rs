@@ -46,7 +46,7 @@ impl Ready {
             coast_mirrors_drive: true,
             friction: true,
         };
-        sweep.record(axes, points, &QUIET).unwrap()
+        sweep.record(axes, points, QUIET).unwrap()
     }
 }
 
@@ -227,7 +227,7 @@ fn swept(positions: usize) -> FlankGrid {
         ..READY.axes()
     };
     let torque = READY.coverage.maximum_torque;
-    sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap()
+    sweep(&READY.solver, Flank::Drive, &axes, torque, QUIET).unwrap()
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
     let table = FlankTable::new(&swept(32), Interpolation::Spline).unwrap();
     let (solver, geometry) = (&READY.solver, &READY.pair.geometry);
     let (flank, coverage) = (Flank::Drive, &READY.coverage);
-    let of_table = measure(solver, geometry, flank, coverage, &table, 200, &QUIET);
+    let of_table = measure(solver, geometry, flank, coverage, &table, 200);
     let stated = RECORD.error.force_rms + of_table.unwrap().force_rms;
     let mut random = Random::new(6);
     let differences: Vec<f64> = (0..1000)

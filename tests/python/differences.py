@@ -43,24 +43,3 @@ def columns_by_kind(inputs):
     kinds = ("position", "angles", "quaternion", "velocity", "angularVelocity")
     found = {kind: [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)] for kind in kinds}
     return {kind: columns for kind, columns in found.items() if columns}
-
-
-def check_derivatives(instance, values, outputs, rng, step=2e-7):
-    """Each output by each input at `values` within 1e-6 of the largest of one kind of input; `step` stays between the nodes of a table."""
-    inputs = list(values)
-    instance.set(values)
-    exact = jacobian(instance, inputs, outputs)
-    numeric = by_differences(instance, values, outputs, step)
-    for i, output in enumerate(outputs):
-        for kind, columns in columns_by_kind(inputs).items():
-            scale = np.abs(exact[i, columns]).max()
-            # What rounding of the output leaves of a difference.
-            h = 1e-3 if "elocity" in kind else step
-            floor = 8 * np.spacing(abs(instance.get(output))) / h + 1e-9
-            error = np.abs(numeric[i, columns] - exact[i, columns]).max()
-            assert error <= 1e-6 * scale + floor, (output, kind, error, scale)
-    # A direction is the sum of its parts.
-    seed = rng.normal(size=len(inputs))
-    along = directional(instance, outputs, inputs, seed)
-    rounding = 1e-12 * np.abs(exact) @ np.abs(seed) + 1e-13 * np.abs(instance.get(*outputs))
-    assert np.all(np.abs(along - exact @ seed) <= rounding)

@@ -91,17 +91,12 @@ class Instance:
         assert self.call("fmi2ExitInitializationMode") == ERROR
         return self.log()
 
-    def free(self):
-        if self.component:
-            self.dll.fmi2FreeInstance.restype = None
-            self.dll.fmi2FreeInstance(ctypes.c_void_p(self.component))
-            self.component = None
-
     def close(self):
-        self.free()
-        if self.dll is not None:
+        if self.component:
+            self.dll.fmi2FreeInstance(ctypes.c_void_p(self.component))
+        if self.dll:
             freeLibrary(self.dll._handle)
-            self.dll = None
+        self.component = self.dll = None
 
     # Values by name ------------------------------------------------------------------------
 
@@ -140,13 +135,10 @@ class Instance:
 
     # Life ------------------------------------------------------------------------------------
 
-    def setup(self, start=0.0, stop=None):
-        times = ctypes.c_double(start), int(stop is not None), ctypes.c_double(stop or 0.0)
-        return self.call("fmi2SetupExperiment", 0, ctypes.c_double(0.0), *times)
-
     def initialize(self, values=None, start=0.0, stop=None):
         """From instantiated to the first communication point, or to Continuous-Time Mode."""
-        assert self.setup(start, stop) == OK
+        times = ctypes.c_double(start), int(stop is not None), ctypes.c_double(stop or 0.0)
+        self.expect("fmi2SetupExperiment", 0, ctypes.c_double(0.0), *times)
         self.expect("fmi2EnterInitializationMode")
         self.set(values or {})
         self.expect("fmi2ExitInitializationMode")

@@ -15,8 +15,8 @@ SYSTEM_DLLS = {
     "advapi32.dll", "msvcrt.dll", "ole32.dll", "oleaut32.dll", "shell32.dll",
 }  # fmt: skip
 OLDEST_GLIBC = (2, 17)
-# All functions of FMI 2.0, as tests/header.rs compares them with the standard's header.
-FUNCTIONS = set(re.findall(r"(fmi2\w+)TYPE", (ROOT / "tests" / "header.rs").read_text()))
+# All functions of FMI 2.0, as tests/c_interface/header.rs compares them with the standard's header.
+FUNCTIONS = set(re.findall(r"(fmi2\w+)TYPE", (ROOT / "tests" / "c_interface" / "header.rs").read_text()))
 
 
 def dump(*arguments, program="objdump"):

@@ -14,7 +14,7 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
 }
 
 #[test]
-fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
+fn building_is_tabulating_and_packing() {
     let folder = Folder::new();
     let [tables, packed, built] = folder.paths(["tables.json", "packed.fmu", "bü%20ilt.fmu"]);
     succeed!("tables {PAPER} -o {tables} {SMALL} {QUICK}");
@@ -32,14 +32,6 @@ fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     assert_eq!(line(&packed, "GUID"), line(&built, "GUID"));
     // Nothing but the three files.
     assert_eq!(folder.count(""), 3);
-
-    let text = folder.read("tables.json");
-    let altered = text.replacen("\"maximum_torque_nm\":200", "\"maximum_torque_nm\":201", 1);
-    assert_ne!(text, altered);
-    let altered = folder.write("altered.json", altered);
-    let fmu = folder.path("altered.fmu");
-    refused!("pack --tables {altered} -o {fmu}"; "checksum");
-    assert!(!folder.exists("altered.fmu"));
 }
 
 /// Samples of another program: 0.05 um per N m on top of 1 um, `bent` instead at one of them.

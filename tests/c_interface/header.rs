@@ -1,13 +1,10 @@
 //! The exports and types of src/fmi against the standard's header, as bindgen reads it for the crate `fmi`. All of it is
 //! compared at compile time.
 
-#![allow(non_snake_case, unsafe_code)]
-
-use std::mem::{align_of, offset_of, size_of};
-
 use ::fmi::fmi2::binding as standard;
 use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::header;
+use std::mem::{align_of, offset_of, size_of};
 
 /// The exports with the type that the header gives each.
 macro_rules! same_signature {

@@ -3,18 +3,10 @@
 //!
 //! `GEARMESH_RANDOM_CALLS` sets the number of calls per FMU and interface; 50 000 without it.
 
-#![allow(unsafe_code)] // it calls what C calls
-
-use std::ffi::{CStr, CString, c_char};
-use std::ptr;
-
-use gearmesh::fmi::c_interface::*;
-use gearmesh::fmi::header::*;
+use super::*;
 use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
 use gearmesh::random::Random;
-
-#[path = "units/mod.rs"]
-mod units;
+use std::ffi::c_char;
 
 /// Values beyond those that a simulation has.
 const REALS: [f64; 16] = {
@@ -60,7 +52,7 @@ struct Accepted {
 
 impl Host {
     fn new(uri: &CStr, kind: fmi2Type, seed: u64) -> Host {
-        let guid = CString::new(units::GUID).unwrap();
+        let guid = CString::new(GUID).unwrap();
         let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
         // Safety: all pointers are valid during the call.
         let component =
@@ -333,7 +325,7 @@ fn run(uri: &CStr, kind: fmi2Type, seed: u64, calls: usize) -> (u64, Accepted) {
 }
 
 /// The paper's pair with all that an FMU may hold, made on coarse finite elements by the command, unpacked into `folder`.
-fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
+fn complete(folder: &Path) -> UnitFile {
     let fmu = folder.join("all.fmu");
     let root = env!("CARGO_MANIFEST_DIR");
     let program = std::env::current_exe().unwrap();
@@ -353,8 +345,8 @@ fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
     std::fs::write(folder.join("tables.json"), packed.tables.unwrap()).unwrap();
     let contact = packed.contact.unwrap().to_bytes();
     std::fs::write(folder.join("contact.bin"), contact).unwrap();
-    gearmesh::fmi::resources::UnitFile {
-        guid: units::GUID.into(),
+    UnitFile {
+        guid: GUID.into(),
         ..packed.unit
     }
 }
@@ -366,9 +358,9 @@ fn random_calls_end_in_answers_or_refusals_and_the_same_ones_twice() {
     let folders = [(); 3].map(|()| tempfile::tempdir().unwrap());
     let [constant, tables, full] = folders.each_ref().map(|folder| folder.path());
     let uris = [
-        (units::resources(constant, &units::spur()), 1..2),
-        (units::resources(tables, &units::tabulated(tables)), 1..3),
-        (units::resources(full, &complete(full)), 1..5),
+        (resources(constant, &spur()), 1..2),
+        (resources(tables, &tabulated(tables)), 1..3),
+        (resources(full, &complete(full)), 1..5),
     ];
     for (number, (uri, levels)) in uris.iter().enumerate() {
         for kind in [fmi2CoSimulation, fmi2ModelExchange] {

@@ -1,16 +1,55 @@
-//! The library loaded and unloaded as a host does, and resources that were altered.
+//! The C interface against the standard's header and under random calls, the library loaded and unloaded as a host does, and resources that
+//! were altered.
 
 #![allow(unsafe_code)] // it calls what C calls
 
+#[path = "../common/gears.rs"]
+mod gears;
+mod header;
+mod random_calls;
+
 use ::fmi::fmi2::binding::Fmi2Binding;
+use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::header::*;
 use gearmesh::fmi::resources::{TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile};
+use gearmesh::table::TableFile;
 use std::ffi::{CStr, CString};
+use std::path::Path;
 use std::ptr;
 
-#[path = "units/mod.rs"]
-mod units;
-use units::{GUID, resources, spur as unit, tabulated};
+/// Of the FMUs below.
+const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
+
+/// A spur pair of constant stiffness.
+fn spur() -> UnitFile {
+    UnitFile {
+        version: UNIT_VERSION,
+        guid: GUID.into(),
+        name: "spur".into(),
+        starts: [("gear2.position[1]".to_owned(), 80e-3)].into(),
+        geometry: gears::spur_pair(),
+    }
+}
+
+/// The paper's pair on its shipped tables, which are written into `folder`.
+fn tabulated(folder: &Path) -> UnitFile {
+    let tables = include_str!("../../resources/tables/palermo2013.json");
+    let geometry = TableFile::from_json(tables).unwrap().geometry;
+    let place = ("gear2.position[1]".to_owned(), geometry.center_distance);
+    std::fs::write(folder.join(TABLES_FILE), tables).unwrap();
+    UnitFile {
+        starts: [place, ("stiffnessModel".to_owned(), 2.0)].into(),
+        geometry,
+        ..spur()
+    }
+}
+
+/// Writes the resources of `unit` and returns their URI.
+fn resources(folder: &Path, unit: &UnitFile) -> CString {
+    let text = serde_json::to_string(unit).unwrap();
+    std::fs::write(folder.join(UNIT_FILE), text).unwrap();
+    CString::new(format!("file://{}", folder.display())).unwrap()
+}
 
 /// Loads the library as a host does, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -91,11 +130,11 @@ fn missing_and_altered_resources_are_refused_with_file_and_remedy() {
     assert_refused([UNIT_FILE, ""]);
     let newer = UnitFile {
         version: UNIT_VERSION + 1,
-        ..unit()
+        ..spur()
     };
     let foreign = UnitFile {
         starts: [("gear3.position[1]".to_owned(), 0.0)].into(),
-        ..unit()
+        ..spur()
     };
     for (unit, word) in [(newer, "version 2"), (foreign, "gear3.position[1]")] {
         resources(&folder, &unit);
@@ -106,7 +145,7 @@ fn missing_and_altered_resources_are_refused_with_file_and_remedy() {
     let good = std::fs::read_to_string(&tables).unwrap();
     let (head, tail) = good.split_at(good.len() / 2);
     let digit = head.to_owned() + &tail.replacen('3', "4", 1);
-    let other = include_str!("../resources/tables/fzg-c.json").to_owned();
+    let other = include_str!("../../resources/tables/fzg-c.json").to_owned();
     for altered in [digit, other] {
         std::fs::write(&tables, altered).unwrap();
         assert_refused([TABLES_FILE, ""]);

@@ -66,22 +66,17 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
         "nominal_torque_nm": 1.0, "maximum_torque_nm": 1.0,
         "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-2.0, 2.0],
     });
+    let mut pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
     // The torque at which one contact line over the face has this Hertz pressure at the pitch point.
-    let pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
-    let g = &pair.geometry;
-    let pressure = between(k, 12, 0.3e9, 2.5e9);
+    let (g, pressure) = (&pair.geometry, between(k, 12, 0.3e9, 2.5e9));
     let curvature = |i: usize| g.gears[i].kappa() / g.roll_at(i, g.center_distance, 0.0);
-    let cos = g.base_helix_angle().cos();
     let softness = |i: usize| (1.0 - g.gears[i].poisson_ratio.powi(2)) / g.gears[i].youngs_modulus;
-    let sum = |of_gear: &dyn Fn(usize) -> f64| of_gear(0) + of_gear(1);
-    let line_load =
-        std::f64::consts::PI * pressure.powi(2) * sum(&softness) / (sum(&curvature) * cos);
-    let force = line_load * g.face_overlap().1;
-    let torque = force * g.gears[0].base_radius();
-    file["operating"]["nominal_torque_nm"] = torque.into();
-    file["operating"]["maximum_torque_nm"] = torque.into();
-    file["tip_corner_contact"] = (k % 3 != 1).into();
-    let pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
+    let cos = g.base_helix_angle().cos();
+    let [curvature, softness] = [curvature(0) + curvature(1), softness(0) + softness(1)];
+    let line_load = 0.5 * TAU * pressure.powi(2) * softness / (curvature * cos);
+    let torque = line_load * g.face_overlap().1 * g.gears[0].base_radius();
+    (pair.operating.nominal_torque, pair.operating.maximum_torque) = (torque, torque);
+    pair.tip_corner_contact = k % 3 != 1;
     Ok((pair, between(k, 13, -2e-3, 2e-3)))
 }
 

@@ -10,6 +10,8 @@ fn ready(text: &str) -> Ready {
     })
 }
 
+static READY: LazyLock<Ready> = LazyLock::new(|| ready(PAPER));
+
 impl Ready {
     /// What the tooth errors of `contact` add to the transmission error over a turn of gear 1, m, at `steps` positions of each
     /// mesh cycle.
@@ -197,7 +199,7 @@ fn loads_on_unequal_teeth_are_the_gradient_of_one_potential() {
 
 #[test]
 fn one_mesh_cycle_follows_on_the_other() {
-    let ready = ready(PAPER);
+    let ready = &*READY;
     let errors = (0..20).map(|j| 3e-6 * f64::from(j % 3)).collect();
     let contact = ready.with_errors([index(errors), runout(20e-6, 0.5)]);
     let approach = ready.approach();
@@ -213,7 +215,7 @@ fn one_mesh_cycle_follows_on_the_other() {
 
 #[test]
 fn run_out_adds_its_eccentricity_at_the_shaft_order_and_leaves_the_mesh_orders() {
-    let ready = ready(PAPER);
+    let ready = &*READY;
     let (z, steps) = (20usize, 8usize);
     let contact = ready.with_errors([runout(14e-6, 0.7), ToothErrors::default()]);
     let added = ready.added(&contact, steps);
@@ -230,7 +232,7 @@ fn run_out_adds_its_eccentricity_at_the_shaft_order_and_leaves_the_mesh_orders()
 /// stiffness.
 #[test]
 fn a_wave_of_index_errors_has_the_sidebands_of_the_share_of_the_load() {
-    let ready = ready(PAPER);
+    let ready = &*READY;
     let (z, steps, wave) = (20usize, 16usize, 0.05e-6);
     let errors = (0..z)
         .map(|j| wave * (TAU * j as f64 / z as f64).sin())
@@ -285,7 +287,7 @@ fn a_weak_tooth_yields_more_while_it_carries() {
 
 #[test]
 fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
-    let ready = ready(PAPER);
+    let ready = &*READY;
     let (approach, removal) = (ready.approach(), 2e-6);
     let g = &ready.pair.geometry;
     let nominal = &ready.pair.microgeometry.drive[1];

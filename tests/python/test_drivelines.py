@@ -3,6 +3,7 @@
 import re
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 
 import gearmesh
 import numpy as np
@@ -63,24 +64,6 @@ def seated(box):
 def test_the_modes_of_the_box_have_converged_to_two_percent(box):
     coarse, fine = (walls.frequencies(b.mounted(), b.mass, 20) for b in (box, walls.Box(SPUR.center_distance, 0.6 * walls.ELEMENT)))
     assert coarse == pytest.approx(fine, rel=0.02)
-
-
-@pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
-@pytest.mark.parametrize("gears", [SPUR, HELICAL], ids=lambda g: g.name)
-def test_a_free_gearbox_keeps_energy_and_momentum(gears, damped):
-    found = housing.balance(gears, damped, duration=0.003, step=2.5e-6)
-    assert found["energy over mesh"] < 1e-4
-    assert found["momentum"] < 1e-11
-    assert found["loads"] < 1e-13
-
-
-@pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
-def test_a_gearbox_on_mounts_keeps_its_energy_while_torque_and_speed_rise(damped):
-    assert housing.balance_of_ramp(damped, duration=0.02)["energy over mesh"] < 1e-4
-    for variant in housing.VARIANTS:
-        found = housing.balance_of_sweep(variant, damped, rpm=300.0, duration=0.04, step=5e-6)
-        assert found["energy over mesh"] < 1e-4
-        assert found["loads"] < 1e-13
 
 
 def test_bearings_carry_what_statics_asks_for():
@@ -198,27 +181,33 @@ def test_planets_share_the_load_as_springs_do_and_equally_with_a_floating_sun():
         assert found == pytest.approx(expected, abs=2e-3)
 
 
-@pytest.mark.parametrize(
-    "balance",
-    [
-        lambda damped: linear.balance(linear.ONE, damped, duration=2e-3),
-        lambda damped: linear.balance(linear.SIX, damped, duration=2e-3),
-        lambda damped: jump.balance(damped, duration=0.01),
-        lambda damped: idle.balance(damped, duration=0.02, step=5e-6),
-        lambda damped: cosimulation.balance(damped, duration=1e-3),
-        lambda damped: planetary.balance(damped, duration=5e-3),
-        lambda damped: study.balance(damped, duration=5e-3),
-        lambda damped: loss.balance(damped, duration=5e-3),
-    ],
-    ids=["one freedom", "six freedoms", "teeth that part", "rattling gearbox", "shafts and housing", "planetary stage", "tilted gears", "friction"],
-)
+BALANCES = {
+    "one freedom": lambda damped: linear.balance(linear.ONE, damped, duration=2e-3),
+    "six freedoms": lambda damped: linear.balance(linear.SIX, damped, duration=2e-3),
+    "teeth that part": lambda damped: jump.balance(damped, duration=0.01),
+    "rattling gearbox": lambda damped: idle.balance(damped, duration=0.02, step=5e-6),
+    "shafts and housing": lambda damped: cosimulation.balance(damped, duration=1e-3),
+    "planetary stage": lambda damped: planetary.balance(damped, duration=5e-3),
+    "tilted gears": lambda damped: study.balance(damped, duration=5e-3),
+    "friction": lambda damped: loss.balance(damped, duration=5e-3),
+    "free spur gearbox": lambda damped: housing.balance(SPUR, damped, duration=0.003),
+    "free helical gearbox": lambda damped: housing.balance(HELICAL, damped, duration=0.003),
+    "gearbox on mounts, rising torque": lambda damped: housing.balance_of_ramp(damped, duration=0.02),
+} | {
+    f"gearbox on mounts, rising speed, {variant}": partial(housing.balance_of_sweep, variant, rpm=300.0, duration=0.04, step=5e-6)
+    for variant in housing.VARIANTS
+}
+
+
+@pytest.mark.parametrize("name", BALANCES)
 @pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
-def test_what_goes_in_is_stored_or_lost_and_loads_cancel(balance, damped):
-    found = balance(damped)
+def test_what_goes_in_is_stored_or_lost_and_loads_cancel(name, damped):
+    found = BALANCES[name](damped=damped)
     assert found["energy over mesh"] < 1e-4
     assert found["loads"] < 1e-13
-    assert found.get("momentum", 0.0) < 1e-13
-    assert found.get("share of time apart", 1.0) > 0.0
+    assert found.get("momentum", 0.0) < (1e-11 if name.startswith("free") else 1e-13)
+    # Teeth part where an example is about that.
+    assert name.startswith(("free", "gearbox")) or found.get("share of time apart", 1.0) > 0.0
 
 
 @pytest.mark.parametrize("support", [linear.ONE, linear.SIX], ids=["one freedom", "six freedoms"])

@@ -72,20 +72,16 @@ def enter(instance, state):
 # After the tables of FMI 2.0.5, sections 4.2.4 (co-simulation) and 3.2.3 (model exchange).
 I, M, S, V, C, T, E = "instantiated", "initialization", "step", "event", "continuous", "terminated", "error"
 STATES = {CO_SIMULATION: (I, M, S, T, E), MODEL_EXCHANGE: (I, M, V, C, T, E)}
-KEPT = {I, M, S, V, C, T, E}
 TYPES = ("Real", "Integer", "Boolean", "String")
 ALLOWED = {
-    "fmi2SetDebugLogging": KEPT,
+    **dict.fromkeys(("fmi2SetDebugLogging", "fmi2Reset", "fmi2GetFMUstate", "fmi2FreeFMUstate"), {I, M, S, V, C, T, E}),
     "fmi2SetupExperiment": {I},
     "fmi2EnterInitializationMode": {I},
     "fmi2ExitInitializationMode": {M},
     "fmi2Terminate": {S, V, C},
-    "fmi2Reset": KEPT,
     **{f"fmi2Get{t}": {M, S, V, C, T, E} for t in TYPES},
     "fmi2SetReal": {I, M, S, V, C},
     **{f"fmi2Set{t}": {I, M, S, V} for t in TYPES[1:]},
-    "fmi2GetFMUstate": KEPT,
-    "fmi2FreeFMUstate": KEPT,
     "fmi2GetDirectionalDerivative": {M, S, V, C, T, E},
 }
 CO_SIMULATION_ALONE = {
@@ -102,9 +98,7 @@ MODEL_EXCHANGE_ALONE = {
     "fmi2CompletedIntegratorStep": {C},
     "fmi2SetTime": {V, C},
     "fmi2SetContinuousStates": {C},
-    "fmi2GetDerivatives": {I, M, V, C, T, E},
-    "fmi2GetContinuousStates": {I, M, V, C, T, E},
-    "fmi2GetNominalsOfContinuousStates": {I, M, V, C, T, E},
+    **{f"fmi2Get{what}": {I, M, V, C, T, E} for what in ("Derivatives", "ContinuousStates", "NominalsOfContinuousStates")},
     "fmi2GetEventIndicators": {M, V, C, T, E},
 }
 EVERY = ALLOWED | CO_SIMULATION_ALONE | MODEL_EXCHANGE_ALONE

@@ -1,10 +1,10 @@
 """The functions of the Python package against closed forms, synthetic signals and the command's own output."""
 
-import builtins
 import inspect
 import json
 import math
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import gearmesh
@@ -274,13 +274,6 @@ def test_plots_show_speeds_orders_and_levels(run, tmp_path):
 
 
 def test_plots_without_matplotlib_say_so(run, monkeypatch):
-    load = builtins.__import__
-
-    def without(name, *rest):
-        if name.startswith("matplotlib"):
-            raise ImportError(name)
-        return load(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(gearmesh.GearmeshError, match="pip install matplotlib"):
         gearmesh.plot_run_up(run)

@@ -6,6 +6,7 @@ import gearmesh
 import numpy as np
 import pytest
 from conftest import FORMULATIONS, QUICK, tabulated_pairs
+from scipy.optimize import brentq
 
 CYCLE = ["external-cycle", "ring2-cycle"]
 TORQUE = 100.0
@@ -21,29 +22,21 @@ def press(instance, tangential, sign=1):
 
 
 def under_torque(make, pair, position, torque=TORQUE, sign=1, **parameters):
-    """An instance at this mesh position with this torque on gear 1, found by secants."""
+    """An instance at this mesh position with this torque on gear 1."""
     correction = 0.0
     # Pressing the teeth moves the mesh position by the slip: again from a corrected start.
     for _ in range(3):
         instance = make(pair)
         g = instance.unit.geometry
-        pitch = 2 * math.pi / g.teeth[0]
-        phase = (position + correction) * pitch
-        start = {"damping": 0.0, "loadedFlank": 1 if sign > 0 else 2, "meshPhase": phase}
-        instance.initialize({**start, **parameters})
+        phase = (position + correction) * math.tau / g.teeth[0]
+        instance.initialize({"damping": 0.0, "loadedFlank": 1 if sign > 0 else 2, "meshPhase": phase, **parameters})
 
         def missing(angle):
             instance.set({"gear1.angles[3]": angle})
             return abs(instance.get("gear1.moment[3]")) - torque
 
-        a, b = sign * 5e-6 / g.pitch_radii[0], sign * 3e-5 / g.pitch_radii[0]
-        at_a, at_b = missing(a), missing(b)
-        for _ in range(40):
-            if abs(at_b) < 1e-9 * torque or at_a == at_b:
-                break
-            a, b, at_a = b, b - at_b * (b - a) / (at_b - at_a), at_b
-            at_b = missing(b)
-        assert abs(at_b) < 1e-7 * torque
+        found = brentq(missing, 0.0, sign * 6e-5 / g.pitch_radii[0], xtol=1e-16)
+        assert abs(missing(found)) < 1e-7 * torque
         correction += (position - instance.get("mesh.position") + 0.5) % 1.0 - 0.5
     return instance
 

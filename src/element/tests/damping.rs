@@ -81,7 +81,7 @@ fn a_static_tilt_of_turning_gears_makes_no_damping_force() {
 }
 
 #[test]
-fn damping_never_pulls_and_sets_in_without_a_jump() {
+fn damping_never_pulls_and_the_conjugate_one_sets_in_without_a_jump() {
     let rates = [-1.0, -0.01, 0.01, 1.0].into_iter();
     for (formulation, rate) in rates.flat_map(|rate| FORMULATIONS.map(|f| (f, rate))) {
         let element = damped(formulation, 1e5);
@@ -98,7 +98,9 @@ fn damping_never_pulls_and_sets_in_without_a_jump() {
             assert!(now >= 0.0);
             // 10 um in 2000 steps; the damper of 1e5 N at 1 m/s comes in over 10 % of the nominal load.
             let step = 0.02 * 1.2e5 * rate.abs().max(0.03);
-            assert!((now - before).abs() < step, "{rate} {i}");
+            // The paper's damper is whole from the first touch on.
+            let is_paper = formulation == Formulation::Paper;
+            assert!(is_paper || (now - before).abs() < step, "{rate} {i}");
             before = now;
         }
         let full = (4.35e8 * 10e-6 + 1e5 * rate) / k.cos_phi;

@@ -19,12 +19,12 @@ use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, p
 pub struct PackageError(String);
 
 impl PackageError {
-    pub(super) fn file(path: &Path, source: std::io::Error) -> Self {
+    fn file(path: &Path, source: std::io::Error) -> Self {
         let remedy = "name a file that can be read, or a folder that can be written";
         PackageError::contents(path, format!("{source}; {remedy}"))
     }
 
-    pub(super) fn archive(path: &Path, source: zip::result::ZipError) -> Self {
+    fn archive(path: &Path, source: zip::result::ZipError) -> Self {
         let remedy = "name an FMU that `gearmesh pack` or `gearmesh build` wrote, or pack it again";
         PackageError::contents(path, format!("{source}; {remedy}"))
     }

@@ -219,8 +219,8 @@ impl ProfileCrowning {
 /// Profile slope and its change along the face: linear over the length of roll, zero at mid-profile.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ProfileSlope {
-    /// Removal at the tip minus that at the start of the active profile, at mid-face, m: minus the C_Ha of
-    /// ISO 1328-1, which counts material that grows towards the tip.
+    /// Removal at the tip minus that at the start of the active profile, at mid-face, m: minus cos beta_b times the C_Ha of
+    /// ISO 1328-1, which counts material that grows towards the tip, in the transverse section.
     pub amount: f64,
     /// `amount` at the z = face width end minus that at the z = 0 end, m: the twist (bias) of the flank.
     pub bias: f64,

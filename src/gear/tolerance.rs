@@ -1,4 +1,6 @@
-//! Flank tolerances of ISO 1328-1:2013.
+//! Flank tolerances of ISO 1328-1:2013. The standard measures in the transverse section: slopes along the transverse base
+//! tangent, pitches along the arc of the reference circle. Here they stand as pair files have them: slopes normal to the flank,
+//! index errors along the transverse line of action.
 
 use super::Gear;
 use crate::random::Random;
@@ -7,7 +9,7 @@ use crate::root::bisection;
 /// Finest and coarsest flank tolerance class.
 pub const CLASSES: std::ops::RangeInclusive<u8> = 1..=11;
 
-/// The tolerance of `class`, m, from that of class 5 in um: sqrt(2) per class, rounded to whole um above 10, to halves above
+/// The tolerance of `class`, m, as the standard measures it, from that of class 5 in um: sqrt(2) per class, rounded to whole um above 10, to halves above
 /// 5, else to tenths (5.2.3 of the standard).
 fn tolerance(class: u8, at_five_um: f64) -> f64 {
     let um = at_five_um * 2f64.powf(0.5 * (f64::from(class) - 5.0));
@@ -25,28 +27,31 @@ fn size_mm(gear: &Gear) -> [f64; 2] {
     [gear.z() * m / gear.helix_angle.cos(), m]
 }
 
-/// Profile slope tolerance f_HaT of `class`, m: the profile slope deviation may lie between it and its negative.
+/// Profile slope tolerance f_HaT of `class` times cos beta_b, m, normal to the flank: the profile slope deviation may lie
+/// between it and its negative.
 pub fn profile_slope(gear: &Gear, class: u8) -> f64 {
     let [d, m] = size_mm(gear);
-    tolerance(class, 0.4 * m + 0.001 * d + 4.0)
+    tolerance(class, 0.4 * m + 0.001 * d + 4.0) * gear.base_helix_angle().cos()
 }
 
-/// Helix slope tolerance f_HbT of `class`, m, over the whole face.
+/// Helix slope tolerance f_HbT of `class` times cos beta_b, m, normal to the flank, over the whole face.
 pub fn helix_slope(gear: &Gear, class: u8) -> f64 {
     let ([d, _], b) = (size_mm(gear), 1e3 * gear.face_width);
-    tolerance(class, 0.05 * d.sqrt() + 0.35 * b.sqrt() + 4.0)
+    tolerance(class, 0.05 * d.sqrt() + 0.35 * b.sqrt() + 4.0) * gear.base_helix_angle().cos()
 }
 
-/// Single pitch tolerance f_pT of `class`, m.
+/// Single pitch tolerance f_pT of `class` times cos alpha_t, m, along the line of action.
 pub fn single_pitch(gear: &Gear, class: u8) -> f64 {
     let [d, m] = size_mm(gear);
-    tolerance(class, 0.001 * d + 0.4 * m + 5.0)
+    tolerance(class, 0.001 * d + 0.4 * m + 5.0) * gear.transverse_pressure_angle().cos()
 }
 
-/// Total cumulative pitch tolerance F_pT of `class`, m: range of the index errors of all teeth.
+/// Total cumulative pitch tolerance F_pT of `class` times cos alpha_t, m, along the line of action: range of the index errors
+/// of all teeth.
 pub fn total_pitch(gear: &Gear, class: u8) -> f64 {
     let [d, m] = size_mm(gear);
-    tolerance(class, 0.002 * d + 0.55 * d.sqrt() + 0.7 * m + 12.0)
+    let range = tolerance(class, 0.002 * d + 0.55 * d.sqrt() + 0.7 * m + 12.0);
+    range * gear.transverse_pressure_angle().cos()
 }
 
 /// Index errors of all teeth of a gear of `class`, m, mean zero: a wave once per revolution at a random angle, as of a blank
@@ -103,14 +108,39 @@ mod tests {
         // d = 80 mm, m_n 4, b 25: 0.4 * 4 + 0.08 + 4 = 5.68 -> 5.5; 0.447 + 1.75 + 4 = 6.197 -> 6.
         let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
         // 11.36 -> 11; 12.39 -> 12; 4.02 -> 4.0. 0.08 + 1.6 + 5 = 6.68 -> 6.5; 0.16 + 4.919 + 2.8 + 12 = 19.88 -> 20.
+        let arc = gear.normal_pressure_angle.cos();
         for (found, um) in [
             (profile_slope(&gear, 5), 5.5),
             (helix_slope(&gear, 5), 6.0),
             (profile_slope(&gear, 7), 11.0),
             (helix_slope(&gear, 7), 12.0),
             (profile_slope(&gear, 4), 4.0),
-            (single_pitch(&gear, 5), 6.5),
-            (total_pitch(&gear, 5), 20.0),
+            (single_pitch(&gear, 5), 6.5 * arc),
+            (total_pitch(&gear, 5), 20.0 * arc),
+        ] {
+            assert!((1e6 * found - um).abs() < 1e-6, "{found} {um}");
+        }
+    }
+
+    #[test]
+    fn a_flank_that_is_off_by_a_slope_normal_to_it_is_off_by_more_in_the_transverse_section() {
+        // d = 80 mm: m_n 4 cos 30 deg; b 25: 0.4 * 3.464 + 0.08 + 4 = 5.466 -> 5.5; 6.197 -> 6; 0.08 + 1.386 + 5 = 6.466 -> 6.5.
+        let beta = 30f64.to_radians();
+        let spur = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+        let module = spur.normal_module * beta.cos();
+        let gear = Gear {
+            helix_angle: beta,
+            normal_module: module,
+            ..spur
+        };
+        // tan alpha_t = tan alpha_n / cos beta; sin beta_b = sin beta cos alpha_n.
+        let alpha_n = gear.normal_pressure_angle;
+        let base = (1.0 - (beta.sin() * alpha_n.cos()).powi(2)).sqrt();
+        let arc = (alpha_n.tan() / beta.cos()).atan().cos();
+        for (found, um) in [
+            (profile_slope(&gear, 5), 5.5 * base),
+            (helix_slope(&gear, 5), 6.0 * base),
+            (single_pitch(&gear, 5), 6.5 * arc),
         ] {
             assert!((1e6 * found - um).abs() < 1e-6, "{found} {um}");
         }

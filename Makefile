@@ -53,6 +53,7 @@ tools:
 
 # Cheapest first. The lints share their compiled dependencies, and so do build and tests.
 lint: tools setup $(VENV)/.bindgen
+	$(VENV)/bin/python scripts/imports.py
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --workspace --no-deps

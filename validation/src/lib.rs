@@ -21,18 +21,12 @@ pub type Error = Box<dyn std::error::Error + Send + Sync>;
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// What every chapter is run with.
-#[derive(Default)]
 pub struct Context {
     /// Fewer points and coarser elements: for trying out, not for the record.
     pub quick: bool,
     /// The interpreter that has fmpy.
     pub python: String,
-    /// Pair and samples that the chapters on speed share.
-    pub samples: std::cell::OnceCell<speed_accuracy::Sampled>,
 }
-
-/// Measures something and writes its tables.
-pub type Chapter = fn(&Context, &data::Data) -> Result<()>;
 
 /// `path` of the repository, wherever the program is started.
 pub fn in_repository(path: &str) -> PathBuf {

@@ -2,18 +2,60 @@
 
 use clap::Parser;
 use gearmesh_validation::data::Data;
-use gearmesh_validation::finite_elements::{self, cost};
 use gearmesh_validation::{
-    Chapter, Context, Result, contact_at_run_time, in_repository, speed_accuracy, stability,
+    Context, Result, contact_at_run_time, finite_elements, in_repository, speed_accuracy,
+    stability, timing,
 };
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// Measures something and writes its tables.
+type Chapter = fn(&Context, &Data) -> Result<()>;
+
+const MACHINE: Chapter = |_, data| timing::machine(data);
+
 const FOLDERS: [(&str, &[(&str, Chapter)]); 4] = [
-    ("stability", &stability::CHAPTERS),
-    ("finite-elements", &finite_elements::CHAPTERS),
-    ("speed-accuracy", &speed_accuracy::CHAPTERS),
-    ("contact-at-run-time", &contact_at_run_time::CHAPTERS),
+    (
+        "stability",
+        &[
+            ("energy", stability::energy::report),
+            ("oscillator", stability::oscillator::report),
+            ("rattle", stability::rattle::report),
+            ("cosimulation", stability::cosimulation::report),
+            ("continuity", stability::continuity::report),
+        ],
+    ),
+    (
+        "finite-elements",
+        &[
+            ("machine", MACHINE),
+            ("plane-strain", finite_elements::plane::report),
+            ("reference", finite_elements::reference::report),
+            ("convergence", finite_elements::convergence::report),
+            ("held", finite_elements::held::report),
+            ("levels", finite_elements::levels),
+            ("cost", finite_elements::cost::report),
+        ],
+    ),
+    (
+        "speed-accuracy",
+        &[
+            ("machine", MACHINE),
+            ("interpolants", speed_accuracy::interpolants::report),
+            ("instances", speed_accuracy::instances::report),
+            ("cost-per-second", speed_accuracy::hosts::cost),
+            ("run-up", speed_accuracy::run_up::report),
+            ("levels", speed_accuracy::levels::report),
+        ],
+    ),
+    (
+        "contact-at-run-time",
+        &[
+            ("index-errors", contact_at_run_time::index_errors::report),
+            ("stations", contact_at_run_time::stations::report),
+            ("cost", contact_at_run_time::cost::report),
+        ],
+    ),
 ];
 
 /// Measures what docs/ says of gearmesh.
@@ -38,10 +80,12 @@ struct Arguments {
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     if let Some(measure) = arguments.measure {
-        return cost::measure(&measure[0], &measure[1]);
+        return finite_elements::cost::measure(&measure[0], &measure[1]);
     }
-    let mut context = Context::default();
-    (context.quick, context.python) = (arguments.quick, arguments.python);
+    let context = Context {
+        quick: arguments.quick,
+        python: arguments.python,
+    };
     let chosen = arguments.chapters;
     let data = arguments.data.unwrap_or_else(|| in_repository("docs/data"));
     let start = Instant::now();

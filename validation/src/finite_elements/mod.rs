@@ -1,27 +1,17 @@
 //! Finite-element compliance: error and cost.
 
-mod convergence;
+pub mod convergence;
 pub mod cost;
-mod held;
-mod plane;
-mod reference;
+pub mod held;
+pub mod plane;
+pub mod reference;
 
 use crate::data::{Data, percent};
 use crate::setup::{SHIPPED, Setup, shipped, shipped_at, ste};
-use crate::{Chapter, Context, Result, timing};
+use crate::{Context, Result};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 use serde_json::json;
-
-pub const CHAPTERS: [(&str, Chapter); 7] = [
-    ("machine", |_, data| timing::machine(data)),
-    ("plane-strain", plane::report),
-    ("reference", reference::report),
-    ("convergence", convergence::report),
-    ("held", held::report),
-    ("levels", levels),
-    ("cost", cost::report),
-];
 
 /// The paper's pair with bores of `bore_mm`, with or without its modifications.
 fn paper(modified: bool, bore_mm: f64) -> Result<Pair> {
@@ -90,7 +80,7 @@ fn thick_spur() -> Result<Pair> {
 }
 
 /// The levels of detail of the shipped pairs side by side.
-fn levels(_: &Context, data: &Data) -> Result<()> {
+pub fn levels(_: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in SHIPPED {
         eprintln!("    {name}");

@@ -1,26 +1,18 @@
 //! Speed against accuracy: what interpolants, instances, hosts, steps and levels cost in time and in error.
 
-mod hosts;
-mod instances;
-mod interpolants;
-mod levels;
-mod run_up;
+pub mod hosts;
+pub mod instances;
+pub mod interpolants;
+pub mod levels;
+pub mod run_up;
 
 use crate::setup::{Setup, shipped_at};
-use crate::{Chapter, Context, Result, timing};
+use crate::{Context, Result};
 use gearmesh::contact::ContactSettings;
 use gearmesh::element::{LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::pair::Refinement;
 use gearmesh::table::{Axis, FlankGrid};
-
-pub const CHAPTERS: [(&str, Chapter); 6] = [
-    ("machine", |_, data| timing::machine(data)),
-    ("interpolants", interpolants::report),
-    ("instances", instances::report),
-    ("cost-per-second", hosts::cost),
-    ("run-up", run_up::report),
-    ("levels", levels::report),
-];
+use std::sync::OnceLock;
 
 /// Pair of most chapters.
 const PAIR: &str = "palermo2013";
@@ -32,14 +24,16 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    fn of(context: &Context) -> Result<&Self> {
-        if context.samples.get().is_none() {
-            eprintln!("    samples of the contact solver");
-            let setup = coarse(PAIR)?;
-            let grid = setup.samples([16, 9, 17, if context.quick { 32 } else { 64 }])?;
-            let _ = context.samples.set(Self { setup, grid });
+    /// Solved once for all chapters.
+    fn of(context: &Context) -> Result<&'static Self> {
+        static SAMPLED: OnceLock<Sampled> = OnceLock::new();
+        if let Some(sampled) = SAMPLED.get() {
+            return Ok(sampled);
         }
-        context.samples.get().ok_or_else(|| "no samples".into())
+        eprintln!("    samples of the contact solver");
+        let setup = coarse(PAIR)?;
+        let grid = setup.samples([16, 9, 17, if context.quick { 32 } else { 64 }])?;
+        Ok(SAMPLED.get_or_init(|| Self { setup, grid }))
     }
 }
 

@@ -7,8 +7,8 @@ pub mod experiment;
 pub mod oscillator;
 pub mod rattle;
 
+use crate::Result;
 use crate::setup::{Setup, shipped, shipped_at};
-use crate::{Chapter, Result};
 use gearmesh::element::{
     Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
@@ -17,14 +17,6 @@ use gearmesh::pair::Refinement;
 use gearmesh::table::Table;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
-
-pub const CHAPTERS: [(&str, Chapter); 5] = [
-    ("energy", energy::report),
-    ("oscillator", oscillator::report),
-    ("rattle", rattle::report),
-    ("cosimulation", cosimulation::report),
-    ("continuity", continuity::report),
-];
 
 /// Backlash of the elements on real tables, m.
 const BACKLASH: f64 = 80e-6;

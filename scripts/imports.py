@@ -94,7 +94,8 @@ def main():
         for graph, kind in [(needs, "files"), (folders, "folders")]:
             if names := circle(graph):
                 found.append(f"{crate}: circle of {kind}: " + " <- ".join("/".join(name) or "root" for name in names))
-    sys.exit("\n".join(found))
+    if found:
+        sys.exit("\n".join(found))
 
 
 if __name__ == "__main__":

@@ -129,8 +129,10 @@ fn element(node: roxmltree::Node, depth: usize) -> Fields {
     let attributes = node.attributes();
     let attributes = attributes.map(|a| (a.name().to_owned(), a.value().into()));
     let mut fields: Map<_, _> = attributes.collect();
-    let text = node.text().unwrap_or_default();
-    fields.insert("value".into(), text.trim().into());
+    fields.insert(
+        "value".into(),
+        node.text().unwrap_or_default().trim().into(),
+    );
     for child in node.children().filter(|c| depth > 0 && c.is_element()) {
         let list = fields.entry(format!("{}s", child.tag_name().name()));
         if let Value::Array(list) = list.or_insert_with(|| json!([])) {
@@ -479,10 +481,12 @@ impl<'a> Draft<'a> {
         let mut mm = |name: &str| self.number("", &[c], &[name]);
         let (field, depth, mut value, assumed) = match kind {
             "profile_crowning" | "helix_crowning" => {
-                let faces = ["amount_datum_face", "amount_non_datum_face"];
                 let (field, ends) = match kind {
                     "profile_crowning" => ("profile_crowning_um", ["at_root", "at_tip"]),
-                    _ => ("lead_crowning_um", faces),
+                    _ => (
+                        "lead_crowning_um",
+                        ["amount_datum_face", "amount_non_datum_face"],
+                    ),
                 };
                 let [a, b] = ends.map(|end| mm(&format!("{kind}_{end}")));
                 let [a, b] = [a?, b?].map(|mm| um(mm.unwrap_or(0.0)));

@@ -258,8 +258,11 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
 fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
     let i = (tau * case.input.positions as f64) as usize;
     let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
-    let segments = case.cycle.results[i].segments.iter();
-    let segments: Vec<&SegmentLoad> = segments.filter(inside).collect();
+    let segments: Vec<&SegmentLoad> = case.cycle.results[i]
+        .segments
+        .iter()
+        .filter(inside)
+        .collect();
     let curve = |segments: &[&SegmentLoad]| {
         let point = |s: &&SegmentLoad| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6);
         let points = segments.iter().map(point);

@@ -90,8 +90,10 @@ pub fn json(
     }
     let FaceLoad { z, load } = &case.face_load;
     more("face_z_mm", z.iter().map(|z| 1e3 * z).collect());
-    let load = load.iter().map(|load| 1e-3 * load);
-    more("face_load_n_per_mm", load.collect());
+    more(
+        "face_load_n_per_mm",
+        load.iter().map(|load| 1e-3 * load).collect(),
+    );
     if let Some(gears) = &case.roots {
         let positions = cycle.results.len();
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
@@ -167,8 +169,10 @@ type AtSegment<'a> = (At<'a>, &'a SegmentLoad);
 
 fn segments(case: &Case) -> impl Iterator<Item = AtSegment<'_>> {
     at_positions(case).flat_map(|at| {
-        let segments = case.cycle.results[at.0].segments.iter();
-        segments.map(move |s| (at, s))
+        case.cycle.results[at.0]
+            .segments
+            .iter()
+            .map(move |s| (at, s))
     })
 }
 

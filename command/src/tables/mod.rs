@@ -168,8 +168,10 @@ pub fn compute(
     let mut contact = at_run_time.filter(|_| contact);
     if let Some(contact) = &mut contact {
         contact.error = Some(sweeps.error_at_run_time(contact)?);
-        let words = run_time_error(contact.error.as_ref());
-        rows.row("contact at run time", words);
+        rows.row(
+            "contact at run time",
+            run_time_error(contact.error.as_ref()),
+        );
     }
     if let Some(note) = pair::note_on_teeth(&pair.teeth) {
         let table = "`stiffnessModel = table` takes all teeth as alike";

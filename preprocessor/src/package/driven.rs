@@ -70,8 +70,8 @@ impl Driven {
     /// Turns the gears.
     fn turn(&mut self, angles: [f64; 2], rates: [f64; 2]) -> Result<(), Refusal> {
         let references = VARIABLES[..INPUTS].iter().map(|v| v.value_reference);
-        let (references, inputs): (Vec<u32>, _) =
-            (references.collect(), self.turned(angles, rates));
+        let references: Vec<u32> = references.collect();
+        let inputs = self.turned(angles, rates);
         self.unit.set(Kind::Real, &references, &inputs)
     }
 

@@ -269,11 +269,12 @@ fn amounts(f: &FlankFile) -> impl Iterator<Item = (String, f64, bool)> {
         ("lead_crowning_um", f.lead_crowning_um, false),
         ("lead_slope_um", f.lead_slope_um, true),
     ];
-    let given = |(field, um, sign): (&str, Option<_>, _)| Some((field.into(), um?, sign));
+    let rows = rows
+        .into_iter()
+        .filter_map(|(field, um, sign)| Some((field.into(), um?, sign)));
     let end = |(field, relief): (_, &EndReliefFile)| {
         (format!("{field}.amount_um"), relief.amount_um, false)
     };
-    let rows = rows.into_iter().filter_map(given);
     rows.chain(f.end_reliefs().map(end))
 }
 

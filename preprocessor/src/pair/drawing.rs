@@ -226,8 +226,12 @@ fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusa
             "`{other}` is not given, and neither says anything alone"; "give both, or none"))
     };
     let span = g.span_teeth.map(|k| (Measure::Span(k), f64::from(k)));
-    let measured = g.span_measurement_mm;
-    add("span_measurement_mm", measured, "span_teeth", span)?;
+    add(
+        "span_measurement_mm",
+        g.span_measurement_mm,
+        "span_teeth",
+        span,
+    )?;
     let (over, balls) = (g.dimension_over_balls_mm, g.ball_diameter_mm);
     let balls = balls.map(|mm| (Measure::Balls(mm * MM), mm));
     add("dimension_over_balls_mm", over, "ball_diameter_mm", balls)?;

@@ -228,8 +228,11 @@ impl Flanks<'_> {
         };
         for (place, own) in given.teeth.iter().enumerate() {
             let (path, tooth) = (format!("{path}teeth[{place}]."), own.tooth);
-            let last = gear.z() - 1.0;
-            check(&format!("{path}tooth"), f64::from(tooth), [0.0, last])?;
+            check(
+                &format!("{path}tooth"),
+                f64::from(tooth),
+                [0.0, gear.z() - 1.0],
+            )?;
             let is_again = given.teeth[..place].iter().any(|t| t.tooth == tooth);
             ensure!(!is_again, format!("{path}tooth") => tooth;
                 "stands in the list twice"; "give a tooth once, with all that is its own");

@@ -89,8 +89,10 @@ pub(super) fn check_torques(
     let shared = geometry.face_overlap().1;
     // Torque on gear 1 under which the line load per module is one pascal over `width` of the face.
     let per_load = |width: f64| gear.base_radius() * width * gear.normal_module;
-    let o = &file.operating;
-    let (nominal, maximum) = (o.nominal_torque_nm, o.maximum_torque_nm);
+    let (nominal, maximum) = (
+        file.operating.nominal_torque_nm,
+        file.operating.maximum_torque_nm,
+    );
     for (kind, torque) in [("nominal", nominal), ("maximum", maximum)] {
         let name = format!("operating.{kind}_torque_nm");
         let load = torque / per_load(shared);

@@ -115,9 +115,12 @@ fn form(text: &str, path: &str, error: &serde_json::Error) -> PairError {
             None => in_plain_words(said, &field).to_owned(),
         },
     };
-    let about = text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
-    let about = about.chars().skip(column.saturating_sub(50)).take(70);
-    let about = shown(about.collect::<String>().trim());
+    let about: String = (text.lines().nth(line.saturating_sub(1)).unwrap_or_default())
+        .chars()
+        .skip(column.saturating_sub(50))
+        .take(70)
+        .collect();
+    let about = shown(about.trim());
     let place = format!(" (line {line}, column {column}: {about})");
     PairError::Form {
         field: shown(&field),
@@ -213,8 +216,9 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase().replace("centre", "center");
     let letter = given.replace('_', "");
     let mut words = LETTERS.split(' ');
-    let found = words.position(|word| word == letter);
-    let meant = found.and_then(|_| words.next());
+    let meant = words
+        .position(|word| word == letter)
+        .and_then(|_| words.next());
     if let Some(name) = names.iter().find(|name| Some(**name) == meant) {
         return Some(name);
     }

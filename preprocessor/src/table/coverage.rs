@@ -199,9 +199,10 @@ pub(super) fn measure_at(
     let errors = errors(points, |(torque, mut q)| {
         let [_, c, m, p] = q.coordinates();
         let failed = |error| solve_error(flank, [c, m, p], error);
-        let mut position = source.position(flank, p, c).map_err(failed)?;
-        let exact = position.solve(Prescribed::Torque(torque), m);
-        let exact = exact.map_err(failed)?;
+        let exact = source
+            .position(flank, p, c)
+            .and_then(|mut position| position.solve(Prescribed::Torque(torque), m))
+            .map_err(failed)?;
         q.delta = exact.approach;
         let found = found(&q).map_err(failed)?;
         Ok(nominal.errors(&found, exact.loa_force, exact.moment))

@@ -150,8 +150,9 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         ));
     }
     let (nt, np, nm) = (torques.len(), positions.len(), misalignments.len());
-    let lengths = [np, nm, offsets.len()].into_iter();
-    let total = lengths.fold(nt, usize::saturating_mul);
+    let total = [np, nm, offsets.len()]
+        .into_iter()
+        .fold(nt, usize::saturating_mul);
     for i in 0..total {
         let (t, p) = (torques[i % nt], positions[i / nt % np]);
         let (m, c) = (misalignments[i / nt / np % nm], offsets[i / nt / np / nm]);

@@ -40,7 +40,7 @@ const CONSTANT: [(&str, &[u8]); 5] = [
 
 /// What there is to describe; the template is that of the page.
 #[derive(Template)]
-#[template(path = "unit.html", escape = "none")]
+#[template(path = "fmu.html", escape = "none")]
 pub(super) struct Description<'a> {
     pub unit: &'a UnitFile,
     pub table: Option<&'a Table>,

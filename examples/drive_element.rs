@@ -5,7 +5,7 @@
 //! act about each gear's own origin. `cargo run --release --example drive_element`
 
 use gearmesh::element::{Element, Parameters, StiffnessModel};
-use gearmesh::table::Table;
+use gearmesh::table::{Table, TableFile};
 use gearmesh_preprocessor::pair;
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
@@ -17,13 +17,13 @@ const STEP: f64 = 2e-7; // s
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pair = pair::read("resources/pairs/palermo2013.json")?;
-    let tables = std::fs::read_to_string("resources/tables/palermo2013.json")?;
+    let tables = TableFile::read("resources/tables/palermo2013.json")?;
     let parameters = Parameters {
         stiffness_model: StiffnessModel::Table,
         nominal_torque: pair.operating.nominal_torque,
         ..Parameters::default()
     };
-    let table = Arc::new(Table::from_json(&tables)?);
+    let table = Arc::new(Table::from_file(tables)?);
     let element = Element::new(&pair.geometry, &parameters, Some(table))?;
 
     // The phase offset is that of the teeth in the pose in which the model is assembled.

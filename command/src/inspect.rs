@@ -200,7 +200,7 @@ fn evaluation_time(resources: &Resources) -> Result<Option<f64>> {
     // From any pose: where teeth stand counts for no cost.
     let parameters = Parameters {
         phase_reference: PhaseReference::FromInitialPose,
-        ..resources.starts.settings.element
+        ..resources.settings.element
     };
     let element = resources.element(&parameters).map_err(|e| e.to_string())?;
     let nominal = element.nominal_inputs();

@@ -9,15 +9,12 @@ use crate::words::{fixed, number};
 /// Constants of the pair for the element, symbols as in the crate's table.
 #[derive(Debug, Clone)]
 pub(crate) struct Constants {
-    /// e: +1 external, -1 internal.
     pub e: f64,
     /// sc: side of O1 on which the mesh lies.
     pub sc: f64,
     /// Teeth.
     pub z: [f64; 2],
-    /// Base radii, m.
     pub rb: [f64; 2],
-    /// kappa: +1 external teeth, -1 ring.
     pub kappa: [f64; 2],
     /// h: hand of gear 1 (gear 2 has -e h).
     pub hand: f64,
@@ -29,9 +26,7 @@ pub(crate) struct Constants {
     pub center_distance: f64,
     /// cos phi at the nominal centre distance.
     pub cos_phi: f64,
-    /// tan beta_b.
     pub tan_beta_b: f64,
-    /// 1 / cos beta_b.
     pub per_cos_beta_b: f64,
     /// tan beta / r1, 1/m: times r_w1 it is tan beta_w.
     pub tan_beta_per_radius: f64,

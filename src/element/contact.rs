@@ -33,19 +33,6 @@ impl Element {
         self.laws.iter().flatten().find_map(Law::table)
     }
 
-    /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual
-    /// operating pitch circle.
-    #[inline(always)]
-    fn law_scale<T: Scalar>(&self, cos_phi: T) -> T {
-        let p = &self.parameters;
-        if p.formulation == Formulation::Paper && p.stiffness_model == StiffnessModel::Constant {
-            let ratio = cos_phi.recip() * self.constants.cos_phi;
-            ratio * ratio
-        } else {
-            T::from(1.0)
-        }
-    }
-
     /// Whether a flank is pressed by more than half of what fits between the gap and the tooth behind: no load does that,
     /// and twice as far the tooth behind pushes the other way.
     /// Errors: it is, and one flank alone can carry: the gears have turned back through the flank that is missing.
@@ -245,9 +232,16 @@ impl<T: Scalar> Solution<T> {
         // By the coordinates, of both flanks.
         let mut slopes = Coordinates::default();
         let mut extras = [None; 2];
+        // Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual pitch circle.
+        let scale = match (el.parameters.formulation, el.parameters.stiffness_model) {
+            (Formulation::Paper, StiffnessModel::Constant) => {
+                let ratio = cos_phi.recip() * k.cos_phi;
+                ratio * ratio
+            }
+            _ => T::from(1.0),
+        };
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
-            let scale = el.law_scale(cos_phi);
             let counts = if law.tells_teeth_apart {
                 pose.counts(k, i, phase)
             } else {

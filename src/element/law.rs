@@ -6,7 +6,7 @@ use crate::contact::{ContactError, ContactFile, RuntimeContact, Warm};
 use crate::friction::Sliding;
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
-use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table, TableError};
+use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table, TeethFlank};
 use std::sync::Arc;
 
 /// A law of a caller for [`super::Element::with_laws`]: the potential W(delta, C, M, PMC) of a loaded flank, say a closed
@@ -49,7 +49,7 @@ pub(crate) enum Source {
     /// A flank of the pair's table.
     Table(Arc<Table>, Flank),
     /// The same, tooth pair by tooth pair.
-    Teeth(Arc<Table>, Flank),
+    Teeth(Arc<Table>, Box<TeethFlank>),
     /// A static contact solve.
     Contact(Arc<RuntimeContact>),
     /// That of a caller.
@@ -109,10 +109,7 @@ impl Law {
         Self {
             tells_teeth_apart: match &source {
                 Source::Linear(_) | Source::Table(..) => false,
-                Source::Teeth(table, flank) => {
-                    let teeth = table.teeth(*flank);
-                    teeth.is_some_and(|(teeth, _)| teeth.tells_teeth_apart())
-                }
+                Source::Teeth(_, teeth) => teeth.tells_teeth_apart(),
                 Source::Contact(_) => true,
                 Source::Custom(law) => law.tells_teeth_apart(),
             },
@@ -129,16 +126,15 @@ impl Law {
     }
 
     /// `flank` of the pair's table, with the effects that it was made for.
-    /// Errors: tooth pairs are among the effects and the table does not have them.
-    pub(crate) fn on_table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
-        let effects = table.effects;
-        let (source, mirrored) = if effects.teeth {
-            let (_, mirrored) = table.teeth(flank).ok_or(TableError::NO_TEETH)?;
-            (Source::Teeth(table.clone(), flank), mirrored)
-        } else {
-            (Source::Table(table.clone(), flank), table.flank(flank).1)
+    pub(crate) fn on_table(table: &Arc<Table>, flank: Flank) -> Self {
+        let (source, mirrored) = match table.teeth(flank) {
+            Some((teeth, mirrored)) => {
+                let teeth = Box::new(teeth.clone());
+                (Source::Teeth(table.clone(), teeth), mirrored)
+            }
+            None => (Source::Table(table.clone(), flank), table.flank(flank).1),
         };
-        Ok(Self::new(source, mirrored, effects))
+        Self::new(source, mirrored, table.effects)
     }
 
     /// The table that it is on.
@@ -269,10 +265,7 @@ impl Law {
                 w
             }
             Source::Table(table, flank) => table.flank(*flank).0.evaluate(&query, want_hessian),
-            Source::Teeth(table, flank) => {
-                let Some((teeth, _)) = table.teeth(*flank) else {
-                    return Ok(Potential::default());
-                };
+            Source::Teeth(_, teeth) => {
                 let (potential, sliding) = teeth.evaluate_sliding(&query, counts, want_hessian);
                 if self.finds_extras {
                     *found = Some(Found {

@@ -159,8 +159,8 @@ impl Element {
                           give a torque of the table";
             return Err(ElementError::parameter("nominalTorque", &value, remedy));
         }
-        let [drive, coast] = FLANKS.map(|flank| Law::on_table(&table, flank));
-        let mut element = Self::build(pair, parameters, [drive?, coast?])?;
+        let laws = FLANKS.map(|flank| Law::on_table(&table, flank));
+        let mut element = Self::build(pair, parameters, laws)?;
         let teeth = (file.teeth.as_ref()).filter(|_| table.effects.teeth);
         if parameters.friction {
             // Tooth pairs find how the load slides with their forces.
@@ -226,9 +226,6 @@ impl Element {
     }
 
     /// As [`Element::evaluate`], faster under contact at run time, from `workspace` of the last evaluation.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
     pub fn evaluate_from(
         &self,
         phase: &PhaseOffset,

@@ -37,8 +37,7 @@ impl Element {
     /// As [`Element::phase_offset`], where `inputs` can be a mesh.
     ///
     /// # Errors
-    /// As there; gears out of reach of one another, and teeth that jam with more than any load of the tables: the pose with its
-    /// values and what would be right.
+    /// As there; teeth that jam with more than any load of the tables: the pose with its values and what would be right.
     pub fn start(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
         let phase = self.phase_offset(inputs)?;
         let reasons = self.apart(inputs)?.join("; ");

@@ -75,11 +75,11 @@ impl Resolution {
 }
 
 impl InputValues {
-    /// The inputs with these values, constant.
-    pub fn new(values: [f64; INPUTS]) -> Self {
+    /// Constant, with the first of `values`.
+    pub fn new(values: &[f64]) -> Self {
         let (bodies, _) = values.as_chunks();
         Self {
-            values: bodies.try_into().expect("as many inputs"),
+            values: std::array::from_fn(|body| bodies[body]),
             derivatives: BTreeMap::new(),
             derivatives_spent: false,
         }
@@ -304,7 +304,7 @@ mod tests {
     };
 
     fn values() -> InputValues {
-        let mut inputs = InputValues::new([0.0; INPUTS]);
+        let mut inputs = InputValues::new(&[0.0; INPUTS]);
         for body in 0..BODIES.len() {
             inputs.set(body * BODY_INPUTS + QUATERNION, 1.0);
         }

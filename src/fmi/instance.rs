@@ -84,15 +84,15 @@ impl Instance {
                 interface,
                 state: State::Instantiated,
                 clock: Clock::default(),
-                inputs: InputValues::new(resources.starts.inputs),
-                parameters: resources.starts.parameters,
+                inputs: InputValues::new(&resources.starts),
+                parameters: std::array::from_fn(|k| resources.starts[FIRST_PARAMETER + k]),
                 phase_offset: None,
                 step: None,
                 loads: None,
                 out_of_range: false,
             },
             stored: HashMap::new(),
-            settings: resources.starts.settings.clone(),
+            settings: resources.settings.clone(),
             element: None,
             buffers: Buffers {
                 motions: Inputs::default(),
@@ -116,7 +116,7 @@ impl Instance {
 
     /// Current communication point, s; model exchange: the time last set.
     pub fn time(&self) -> f64 {
-        self.state.clock.time()
+        self.state.clock.time
     }
 
     /// After a call that was refused: fmi2Error and fmi2Fatal have states of their own. A solver or master may try points at
@@ -459,11 +459,10 @@ impl Instance {
                 let mut columns = direction.fixed_rows_mut::<3>(column);
                 columns += change * seed;
             } else if output_row(i).is_some() {
-                return Err(Refusal::error(format!("{name} is no input")));
+                return Err(no_input(i, ""));
             } else if self.state.phase_offset.is_some() {
-                return Err(Refusal::error(format!(
-                    "{name} is no input; by parameters there are derivatives in Initialization Mode alone"
-                )));
+                let reason = "; by parameters there are derivatives in Initialization Mode alone";
+                return Err(no_input(i, reason));
             } else {
                 let slopes = self.by_parameter(i)?;
                 for (sum, slope) in by_parameters.iter_mut().zip(slopes) {
@@ -539,7 +538,7 @@ impl Instance {
             let i = find(Kind::Real, reference)?;
             let name = VARIABLES[i].name;
             if i >= INPUTS {
-                return Err(Refusal::error(format!("{name} is no input")));
+                return Err(no_input(i, ""));
             }
             let known = usize::try_from(order).ok();
             let known = known.filter(|order| (1..=MAXIMUM_ORDER).contains(order));
@@ -662,6 +661,10 @@ impl Instance {
             self.report(Severity::Warning, text);
         }
     }
+}
+
+fn no_input(i: usize, reason: &str) -> Refusal {
+    Refusal::error(format!("{} is no input{reason}", VARIABLES[i].name))
 }
 
 /// Rows of the outputs with these references.

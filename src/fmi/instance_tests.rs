@@ -51,13 +51,14 @@ pub(in crate::fmi) fn on_table(counts: [usize; 4], starts: &[(usize, f64)]) -> I
     instance(Interface::CoSimulation, pair, Some(tables), &starts)
 }
 
+fn shipped(name: &str) -> TableFile {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/tables");
+    TableFile::read(format!("{folder}/{name}.json")).unwrap()
+}
+
 /// An instance on the tables of the paper's pair, in initialization mode, with its nominal centre distance.
 fn on_tables(interface: Interface) -> (Instance, f64) {
-    const PATH: &str = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/resources/tables/palermo2013.json"
-    );
-    let tables = TableFile::read(PATH).unwrap();
+    let tables = shipped("palermo2013");
     let geometry = tables.geometry.clone();
     let nominal = geometry.center_distance;
     let starts = [
@@ -134,12 +135,7 @@ fn a_start_that_can_be_no_mesh_is_refused_with_its_value_and_what_would_be_right
 
 #[test]
 fn inputs_that_a_host_fills_with_zeros_are_refused_with_where_gear_2_belongs() {
-    let ring = TableFile::read(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/resources/tables/planet-ring-27-84.json"
-    ));
-    let ring = ring.unwrap().geometry;
-    for geometry in [paper_pair(1.0), ring] {
+    for geometry in [paper_pair(1.0), shipped("planet-ring-27-84").geometry] {
         let start = format!("gear2.position[1] starts as {} m", geometry.center_distance);
         let mut instance = instance(Interface::CoSimulation, geometry, None, &[]);
         let inputs: Vec<u32> = (0..48).collect();

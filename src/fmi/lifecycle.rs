@@ -119,7 +119,7 @@ pub struct Clock {
     /// Of the experiment, s.
     start: f64,
     /// Current communication point, s.
-    time: f64,
+    pub time: f64,
     /// Of the experiment, s.
     stop: Option<f64>,
     /// Start of the last step, s; `None` before the first one.
@@ -127,11 +127,6 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Current communication point, s.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
     /// fmi2SetupExperiment.
     /// Errors: times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
@@ -281,7 +276,7 @@ mod tests {
                 for again in [h, 1e-6, 1.0] {
                     assert!(once.after(time, again).is_err(), "t = {time}, h = {h}");
                 }
-                let next = once.time();
+                let next = once.time;
                 assert!(once.after(next, h).is_ok(), "t = {time}, h = {h}");
             }
         }

@@ -15,7 +15,7 @@ use url::Url;
 
 use super::Refusal;
 use super::parameters::Settings;
-use super::variables::{FIRST_PARAMETER, INPUTS, PARAMETERS, index_by_name, template_starts};
+use super::variables::{FIRST_PARAMETER, index_by_name, template_starts};
 use crate::contact::ContactFile;
 use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
@@ -61,41 +61,26 @@ pub struct Resources {
     tables: Option<Arc<TableFile>>,
     /// The contact at run time, if there is any.
     contact: Option<ContactFile>,
-    /// Start values, as modelDescription.xml of this FMU gives them.
-    pub starts: Starts,
+    /// Start values of all variables, as modelDescription.xml of this FMU gives them.
+    pub starts: Vec<f64>,
+    /// Those of the parameters.
+    pub settings: Settings,
     /// Interpolants of the tables in use, one for each choice of effects.
     made: Mutex<Vec<Weak<Table>>>,
 }
 
-/// Start values of all inputs and parameters.
-#[derive(Debug, Clone)]
-pub struct Starts {
-    /// Of the inputs, in their order.
-    pub inputs: [f64; INPUTS],
-    /// Of the parameters, in their order.
-    pub parameters: [f64; PARAMETERS],
-    /// Those of the parameters.
-    pub settings: Settings,
-}
-
-impl Starts {
-    /// Those of the template with what `unit` has of its own.
-    /// Errors: variables that are none, numbers that are none of their values, as text.
-    fn new(unit: &UnitFile) -> Result<Self, String> {
-        let mut starts = template_starts();
-        for (name, value) in &unit.starts {
-            let i = index_by_name(name)
-                .ok_or_else(|| format!("a start value for {name}, which is no variable"))?;
-            starts[i] = *value;
-        }
-        let parameters = std::array::from_fn(|k| starts[FIRST_PARAMETER + k]);
-        let settings = Settings::new(&parameters);
-        Ok(Self {
-            inputs: std::array::from_fn(|i| starts[i]),
-            parameters,
-            settings: settings.map_err(|refusal| format!("start values: {refusal}"))?,
-        })
+/// Start values of the template with what `unit` has of its own, and those of the parameters.
+/// Errors: variables that are none, numbers that are none of their values, as text.
+fn starts(unit: &UnitFile) -> Result<(Vec<f64>, Settings), String> {
+    let mut starts = template_starts();
+    for (name, value) in &unit.starts {
+        let i = index_by_name(name)
+            .ok_or_else(|| format!("a start value for {name}, which is no variable"))?;
+        starts[i] = *value;
     }
+    let settings = Settings::new(&starts[FIRST_PARAMETER..]);
+    let settings = settings.map_err(|refusal| format!("start values: {refusal}"))?;
+    Ok((starts, settings))
 }
 
 impl Resources {
@@ -110,9 +95,11 @@ impl Resources {
         if contact.as_ref().is_some_and(is_foreign) {
             return Err(format!("{CONTACT_FILE} is not of the pair in {UNIT_FILE}"));
         }
+        let (starts, settings) = starts(&unit)?;
         Ok(Self {
             contact,
-            starts: Starts::new(&unit)?,
+            starts,
+            settings,
             unit,
             folder: PathBuf::new(),
             tables: tables.map(Arc::new),
@@ -262,7 +249,7 @@ pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
         ));
     }
     (unit.geometry.check()).map_err(|error| error.to_string())?;
-    Starts::new(&unit)?;
+    starts(&unit)?;
     Ok(unit)
 }
 

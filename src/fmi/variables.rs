@@ -199,26 +199,16 @@ mod tests {
 
     #[test]
     fn a_refusal_names_variable_value_and_remedy() {
-        for (i, value, text) in [
-            (
-                index::GEAR1_POSITION_2,
-                f64::NAN,
-                "gear1.position[2] = NaN; set a finite number",
-            ),
-            (index::DAMPING, -1.0, "damping = -1; set 0 or more"),
-            (
-                index::FORMULATION,
-                3.0,
-                "formulation = 3; choose one of 1 (paper), 2 (conjugate)",
-            ),
-            (
-                index::FORMULATION,
-                1.5,
-                "formulation = 1.5; choose one of 1 (paper), 2 (conjugate)",
-            ),
-            (index::LOAD_DEPENDENT, 2.0, "loadDependent = 2; set 0 to 1"),
+        let choose = "choose one of 1 (paper), 2 (conjugate)";
+        for (i, value, remedy) in [
+            (index::GEAR1_POSITION_2, f64::NAN, "set a finite number"),
+            (index::DAMPING, -1.0, "set 0 or more"),
+            (index::FORMULATION, 3.0, choose),
+            (index::FORMULATION, 1.5, choose),
+            (index::LOAD_DEPENDENT, 2.0, "set 0 to 1"),
         ] {
             let refused = check_value(&VARIABLES[i], value).unwrap_err();
+            let text = format!("{} = {value}; {remedy}", VARIABLES[i].name);
             assert_eq!(refused.message, text);
         }
         let unknown = find(Kind::Real, 77).unwrap_err();

@@ -80,18 +80,12 @@ impl Axes {
 
 impl From<[Vec<f64>; 4]> for Axes {
     /// Of nodes in the order of [`Axes::nodes`].
-    fn from(nodes: [Vec<f64>; 4]) -> Self {
-        let [
-            center_distance_offset,
-            misalignment,
-            displacement_fraction,
-            mesh_position,
-        ] = nodes;
+    fn from([c, m, u, p]: [Vec<f64>; 4]) -> Self {
         Axes {
-            displacement_fraction,
-            center_distance_offset,
-            misalignment,
-            mesh_position,
+            displacement_fraction: u,
+            center_distance_offset: c,
+            misalignment: m,
+            mesh_position: p,
         }
     }
 }

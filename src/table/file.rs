@@ -185,10 +185,7 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Reads and checks a tables file.
-    ///
-    /// # Errors
-    /// As [`TableFile::from_json`], and what the system says.
+    /// As [`TableFile::from_json`], from a path.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
         let path = path.as_ref();
         let text = fs::read_to_string(path).map_err(|source| TableError::Io {
@@ -211,7 +208,7 @@ impl TableFile {
                 return refused(field, torque, reason);
             }
         }
-        self.drive_grid().check("drive")?;
+        self.drive.on(&self.axes).check("drive")?;
         if let Some(coast) = &self.coast {
             coast.on(&self.axes).check("coast")?;
         }
@@ -226,11 +223,6 @@ impl TableFile {
         self.teeth
             .as_ref()
             .map_or(Ok(()), |teeth| teeth.check(&self.geometry))
-    }
-
-    /// Samples of the drive flank.
-    pub fn drive_grid(&self) -> FlankGrid {
-        self.drive.on(&self.axes)
     }
 
     /// The text of the file.

@@ -33,7 +33,6 @@ pub use records::{
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 
 use crate::gear::Flank;
-use std::path::Path;
 use std::sync::Arc;
 
 /// A point of the table of one flank (coast flank: after mapping to its own table).
@@ -199,23 +198,7 @@ fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<
 }
 
 impl Table {
-    /// With all axes of the file, the spline, variable load and shuttling.
-    ///
-    /// # Errors
-    /// As [`TableFile::from_json`].
-    pub fn from_json(text: &str) -> Result<Self, TableError> {
-        Self::from_file(TableFile::from_json(text)?)
-    }
-
-    /// As [`Table::from_json`], from a path.
-    ///
-    /// # Errors
-    /// As [`TableFile::read`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
-        Self::from_file(TableFile::read(path)?)
-    }
-
-    /// As [`Table::from_json`], from checked content.
+    /// With all axes of the checked `file`, the spline, variable load and shuttling.
     ///
     /// # Errors
     /// As [`FlankTable::new`].
@@ -230,19 +213,16 @@ impl Table {
     /// # Errors
     /// An effect whose axis is missing; a constant load outside the range.
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
-        let axes = effects.axes();
+        let spline = |axes: &LoadAxes, columns: Columns<'_>| {
+            LoadSpline::new(axes.nodes(), &columns, effects.axes())
+        };
         // Tooth pairs one by one slide as their own loads do.
         let slides = effects.friction && !effects.teeth;
-        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?.map(|r| {
-            let spline = |s: &SlidingSamples| LoadSpline::new(r.axes.nodes(), &s.columns(), axes);
-            Flanks::new(&r.drive, &r.coast, spline)
-        });
+        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?
+            .map(|r| Flanks::new(&r.drive, &r.coast, |s| spline(&r.axes, s.columns())));
         let missing = TableError::NO_ROOT_STRESS;
-        let stress = if_on(effects.root_stress, &file.root_stress, missing)?.map(|r| {
-            let spline =
-                |s: &RootStressSamples| LoadSpline::new(r.axes.nodes(), &s.columns(), axes);
-            Flanks::new(&r.drive, &r.coast, spline)
-        });
+        let stress = if_on(effects.root_stress, &file.root_stress, missing)?
+            .map(|r| Flanks::new(&r.drive, &r.coast, |s| spline(&r.axes, s.columns())));
         let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?
             .map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);

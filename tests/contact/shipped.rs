@@ -55,7 +55,7 @@ fn each_agrees_with_fresh_solutions_within_its_stated_error() {
             maximum_torque: 0.97 * pair.operating.maximum_torque,
         };
         let found = |interpolation| {
-            let table = FlankTable::new(&file.drive_grid(), interpolation).unwrap();
+            let table = FlankTable::new(&file.drive.on(&file.axes), interpolation).unwrap();
             let (geometry, flank) = (&pair.geometry, Flank::Drive);
             measure(&solver, geometry, flank, &coverage, &table, 100).unwrap()
         };

@@ -176,7 +176,7 @@ impl Report {
             let (_, sections) = self.pair_sections(pair.clone(), loads, job)?;
             return Ok((pair.name, sections));
         }
-        let table = Table::read(path)?;
+        let table = Table::from_file(TableFile::read(path)?)?;
         let name = format!("tables of {}", table.file.name);
         let variant = Variant::Tables(Box::new(table));
         let cases = variant.cases(&loads.torques, &[0.0], self.positions)?;

@@ -262,7 +262,7 @@ mod tests {
 
     /// Peak to peak of the approach (um) from the samples alone, linear between the displacements.
     fn of_samples(file: &TableFile, torque: f64) -> f64 {
-        let grid = file.drive_grid();
+        let grid = file.drive.on(&file.axes);
         let lengths @ [_, nm, nu, columns] = grid.axes.lengths();
         let [c, m, ..] = lengths.map(|length| length / 2);
         let force = torque / file.geometry.gears[0].base_radius();

@@ -35,14 +35,14 @@ impl Driven {
         let mut unit = Instance::new(resources.clone(), Interface::CoSimulation);
         unit.setup(0.0, None)?;
         unit.exit_initialization()?;
-        let element = &resources.starts.settings.element;
+        let element = &resources.settings.element;
         let sense = match element.loaded_flank {
             LoadedFlank::Coast => -1.0,
             LoadedFlank::Drive | LoadedFlank::Both => 1.0,
         };
         Ok(Self {
             unit,
-            starts: resources.starts.inputs,
+            starts: std::array::from_fn(|i| resources.starts[i]),
             nominal_torque: sense * element.nominal_torque,
         })
     }
@@ -173,7 +173,7 @@ pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Opt
     };
     let unit = resources(unit)?;
     // Held loads need steps so short that a prediction over them is exact.
-    let finer = match unit.starts.settings.coupling {
+    let finer = match unit.settings.coupling {
         Coupling::Held => 1,
         Coupling::Sequential | Coupling::Parallel => FINER,
     };
@@ -192,7 +192,7 @@ pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Opt
 /// says, and one step late where they are held.
 fn transmission_error(resources: Arc<Resources>, step: f64) -> Result<Vec<f64>, Refusal> {
     let mut driven = Driven::new(&resources)?;
-    let sequential = resources.starts.settings.coupling == Coupling::Sequential;
+    let sequential = resources.settings.coupling == Coupling::Sequential;
     let geometry = &resources.unit.geometry;
     let [z1, z2] = [0, 1].map(|i| geometry.gears[i].z());
     let inertia = [0, 1].map(|i| Blank::new(&geometry.gears[i]).axial_inertia);

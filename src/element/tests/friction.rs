@@ -3,6 +3,7 @@
 use super::*;
 use crate::friction::FrictionLaw;
 use crate::gear::PairGeometry;
+use crate::table::TableFile;
 
 fn off(parameters: &Parameters) -> Parameters {
     Parameters {
@@ -72,7 +73,7 @@ fn effects_that_are_off_change_no_bit_and_a_table_without_them_is_refused_by_nam
     bare.seal();
     let text = bare.to_json();
     assert!(!text.contains("friction") && !text.contains("root_stress"));
-    let bare = Arc::new(Table::from_json(&text).unwrap());
+    let bare = Arc::new(Table::from_file(TableFile::from_json(&text).unwrap()).unwrap());
     let mut noise = Noise::new(72);
     for formulation in FORMULATIONS {
         let plain = off(&rubbing(formulation, LoadedFlank::Both));

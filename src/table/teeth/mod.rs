@@ -76,9 +76,6 @@ impl TeethFlank {
     }
 
     /// Both flanks of `record`, as [`TeethFlank::new`]; with the drive flank's samples for both they share them.
-    ///
-    /// # Errors
-    /// As there.
     pub fn both(
         record: &TeethRecord,
         geometry: &PairGeometry,

@@ -14,7 +14,7 @@ use gearmesh::element::{
 };
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Refinement;
-use gearmesh::table::Table;
+use gearmesh::table::{Table, TableFile};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
 
@@ -31,7 +31,8 @@ pub struct Real {
 impl Real {
     /// An external pair on its shipped table, and an internal one.
     pub fn pairs() -> Result<[Self; 2]> {
-        let table = Table::from_json(include_str!("../../../resources/tables/palermo2013.json"))?;
+        let text = include_str!("../../../resources/tables/palermo2013.json");
+        let table = Table::from_file(TableFile::from_json(text)?)?;
         let name = "palermo2013";
         let external = Self {
             name,

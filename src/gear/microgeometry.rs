@@ -406,6 +406,7 @@ mod tests {
         let range = largest..2.0 * largest;
         assert!(range.contains(&bound), "{largest} {bound}");
     }
+
     #[test]
     fn an_arc_is_a_circle_that_leaves_the_flank_as_a_tangent() {
         // Steep for a modification: 200 um over 4 mm, radius from amount and length.

@@ -1,10 +1,29 @@
-//! Claims about poses and parameters at and beyond the limits.
+//! Claims about a turning carrier, and poses and parameters at and beyond the limits.
 
 use super::*;
 use crate::element::engagement::radial_share;
 use crate::gear::samples::{gear, thinned};
 use crate::gear::{GearKind, PairGeometry};
 use std::f64::consts::FRAC_PI_2;
+
+#[test]
+fn carrier_gears_and_world_turned_alike_change_nothing_and_the_carriers_turning_is_taken_off() {
+    let element = damped(Formulation::Paper, 1e5);
+    let inputs = compressed(&element, 1.0, 5e-6);
+    let fixed = at(&element, &inputs);
+    // The whole stage turns about an axis of its own: rigid-body velocities on all bodies.
+    let (w, centre) = (Vector3::new(0.0, 0.0, 200.0), Vector3::new(0.3, -0.2, 0.0));
+    let mut turning = inputs;
+    let [g1, g2] = &mut turning.gears;
+    for m in [g1, g2, &mut turning.carrier] {
+        m.w += w;
+        m.v += w.cross(&(m.p - centre));
+    }
+    let out = at(&element, &turning);
+    let (force, alone) = (out.tangential_force, fixed.tangential_force);
+    assert_relative_eq!(force, alone, max_relative = 1e-9);
+    assert_abs_diff_eq!(out.transmission_error_rate, 0.0, epsilon = 1e-12);
+}
 
 #[test]
 fn poses_without_meaning_are_refused_by_name() {

@@ -73,7 +73,7 @@ impl LoadAxes {
     }
 }
 
-/// Name and samples of each quantity on one flank, in the order in which a [`LoadSpline`] gives them.
+/// Name and samples of each quantity on one flank, in the order in which a [`super::LoadSpline`] gives them.
 pub type Columns<'a> = Vec<(&'static str, &'a [f64])>;
 
 /// Sliding of both flanks.

@@ -27,7 +27,7 @@ pub struct LoadSpline {
 }
 
 impl LoadSpline {
-    /// Of the `columns` at `nodes` (of [`LoadAxes::nodes`]), cut at 0 along the axes of centre distance and misalignment whose effect
+    /// Of the `columns` at `nodes` (of [`crate::table::LoadAxes::nodes`]), cut at 0 along the axes of centre distance and misalignment whose effect
     /// is off.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl LoadSpline {
 
     /// The first `K` quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
     /// misalignment (rad) and mesh position; 1 for those that there are no samples of. Beyond the ends they go on linearly and
-    /// level out, over the load as [`LoadAxes`] says.
+    /// level out, over the load as [`crate::table::LoadAxes`] says.
     pub fn evaluate<const K: usize>(&self, [force, c, m, p]: [f64; 4]) -> [LoadJet; K] {
         let weights = |basis: &Basis<4>, x| basis.weights(Lanes::COMMON, x, 1).0;
         let [along_c, along_m, along_p] = &self.others;

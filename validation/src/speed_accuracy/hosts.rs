@@ -56,7 +56,7 @@ fn library() -> Result<Library> {
 /// Error of the transmission error that a second of simulated time may bring.
 const BEARABLE: f64 = 0.01;
 
-/// The cost at an error of [`BEARABLE`], by coupling: steps as long as that allows, times their duration.
+/// The cost at an error of `BEARABLE`, by coupling: steps as long as that allows, times their duration.
 pub fn cost(context: &Context, data: &Data) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let mut rows = vec![];

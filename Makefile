@@ -84,7 +84,7 @@ demo:
 	@$(MAKE) --no-print-directory -j2 setup build
 	$(VENV)/bin/python -m demo --out target/demo
 
-# Every number and picture in docs/, and the contact of every shipped pair in target/report.
+# What docs/ says of speed, error and stability (docs/data.md), and the contact of every shipped pair in target/report.
 report: examples
 	$(CARGO) run --release --package gearmesh-validation -- --python $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg

@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shipped = "resources/pairs/palermo2013.json".to_owned();
     let path = std::env::args().nth(1).unwrap_or(shipped);
     let pair = Pair {
-        refinement: Refinement::Coarse, // seconds; errors of each level stand in docs/validation.md
+        refinement: Refinement::Coarse, // seconds; errors of each level stand in docs/choosing.md
         ..pair::read(path)?
     };
 

@@ -43,16 +43,16 @@
 //! | beta_b | `base_helix_angle()` | rad | tan beta_b = tan beta cos alpha_t |
 //! | DTE | `transmission_error` | m | dynamic transmission error, tangential, (1) |
 //! | delta | `delta` | m | approach on the line of action at mid-face, DTE cos phi |
-//! | STE | `ste` | m | static transmission error on the line of action at mid-face |
+//! | STE | `approach` | m | static transmission error on the line of action at mid-face |
 //! | PMC | `mesh_position` | 1 | position on the mesh cycle, (13) |
 //! | M | `misalignment` | rad | in the plane of action, > 0: more penetration at larger z, (18) |
 //! | F_tt | `tangential_force` | N | transverse tangential force at the pitch circle, (8) |
 //! | F_bt | `loa_force` | N | transverse force on the line of action, F_tt / cos phi |
-//! | y | | m | along the path of contact from the pitch point, in the sense of the force on gear 2 |
+//! | y | `contact_line()` | m | along the path of contact from the pitch point, in the sense of the force on gear 2 |
 //! | sigma | `lean` | 1 | dy/dz of the contact lines in the plane of action, s h tan beta_b |
 //! | z_c | `contact_z` | m | axial position where the resultant crosses the pitch plane y = 0, (26) |
 //! | z_ref | `z_ref()` | m | mid-face of the overlap, reference of delta, M and z_c |
-//! | W | `potential` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
+//! | W | `energy`, `value` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
 
 pub mod accuracy;
 pub mod compliance;

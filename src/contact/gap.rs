@@ -4,9 +4,9 @@
 //!
 //! gap(t) = slope t + curvature t² / 2 + sum of reliefs (k u + kappa u² / 2), u = max(side (t - at), 0),
 //!
-//! k the jump of slope at the start of a relief (linear), kappa that of curvature (parabolic). None holds the closest point: a
-//! relief on which that lies is the parabola there, and the flank before it the relief. All that removes material is
-//! convex, and so is the gap. Over a contact from m - a to m + a, t = m + a cos(theta), the law of a contact needs no more
+//! k the jump of slope at the start of a relief (linear), kappa that of curvature (parabolic). A
+//! relief on which the closest point lies is part of the parabola there, and the flank before its start then counts as a relief of the
+//! other side. All that removes material is convex, and so is the gap. Over a contact from m - a to m + a, t = m + a cos(theta), the law of a contact needs no more
 //! than the first coefficients of gap = g_0 + g_1 cos(theta) + g_2 cos(2 theta) + ...
 
 use std::f64::consts::{FRAC_1_PI, PI};

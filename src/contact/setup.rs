@@ -8,7 +8,7 @@ use crate::friction::FrictionLaw;
 use crate::gear::{Gear, PairGeometry, PairMicrogeometry, PairTeeth};
 use crate::pair::{Pair, Refinement};
 
-/// Stations along the face: the most, of a pair whose contacts are narrow (docs/validation.md), and the fewest.
+/// Stations along the face: the most, of a pair whose contacts are narrow, and the fewest.
 const MOST_STATIONS: usize = 40;
 const FEWEST_STATIONS: usize = 10;
 

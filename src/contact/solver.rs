@@ -24,8 +24,8 @@ const TRIALS: usize = 8;
 /// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
 const RUN_TIME_STATIONS: usize = 22;
 
-/// Share of the change of a gap along a segment that local contact takes up at run time: less makes force and moment more
-/// exact, more the stiffness (docs/theory/contact.md).
+/// Share of the change of a gap along a segment that local contact takes up at run time: a smaller share makes force and
+/// moment more exact, a larger one the stiffness.
 const OWN_SHARE_AT_RUN_TIME: f64 = 0.45;
 
 /// Static contact of one pair of gears.

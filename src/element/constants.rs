@@ -95,7 +95,7 @@ impl Constants {
         let (low, width) = pair.face_overlap();
         let tan_beta_b = pair.base_helix_angle().tan();
         let z_ref = pair.z_ref();
-        // The flank of gear 1 stands at theta = eta + h z tan(beta_b)/rb - sigma kappa inv(rho) in its
+        // The flank of gear 1 stands at theta = eta + h z tan(beta_b)/rb - s kappa inv(rho) in its
         // body; PMC = 0 where that is the direction of the pitch point at mid-face.
         let helix_turn = g[0].hand * z_ref * tan_beta_b / g[0].base_radius();
         let half_tooth = g[0].kappa() * (g[0].half_base_angle() - involute(phi));

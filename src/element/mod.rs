@@ -15,8 +15,8 @@
 //! velocities ─> map: rates J v ──> damper, friction ─────┘
 //! ```
 //!
-//! The walk from a pose to its force: `contact` (both flanks under load), `kinematics` (the map), `law` (a table or
-//! what stands for it), `friction`. (`paper` takes the place of a part of the map in [`Formulation::Paper`].)
+//! The walk from a pose to its force: `contact` (both flanks under load), `kinematics` (the map), `engagement` (how far the
+//! gears are in mesh), `law` (a table or what stands for it), `friction`. (`paper` takes the place of a part of the map in [`Formulation::Paper`].)
 //! Loads for a communication step, which need not be those of the pose, are predicted from that: [`Element::predict`].
 //!
 //! In [`Formulation::Conjugate`], the default, coordinates and loads go through one map J and its transpose: undamped it keeps

@@ -129,7 +129,7 @@ pub struct Outputs<T: Scalar = f64> {
     pub normal_force: T,
     /// Tangent stiffness dF_tt/dDTE, N/m, without damping.
     pub stiffness: T,
-    /// Axial position of that point in gear 1's frame, m.
+    /// Axial position of the contact point in gear 1's frame, m.
     pub contact_z: T,
     /// Elastic energy stored in the mesh, J; in the paper's formulation that of the law, though the
     /// loads there are not its gradient.

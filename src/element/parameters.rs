@@ -22,8 +22,8 @@ pub enum StiffnessModel {
 /// How displacement and force follow from the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Formulation {
-    /// The paper's (1)-(26), corrected. What a misalignment closes of helical flanks, and where the resultant crosses the pitch plane,
-    /// come with the table; the equations here stay the paper's.
+    /// The paper's (1)-(26), corrected. The table adds two things: what a misalignment closes of helical flanks, and where the
+    /// resultant crosses the pitch plane. The equations here stay the paper's.
     Paper,
     /// Exact involute helicoids with the force along the exact gradient; keeps energy.
     Conjugate,
@@ -103,7 +103,7 @@ pub struct Parameters {
 }
 
 impl Default for Parameters {
-    /// Those of the FMU: constant stiffness of the paper's pair, conjugate formulation, drive flank, and a
+    /// Those of modelDescription.xml with all effects on: constant stiffness of the paper's pair, conjugate formulation, drive flank, and a
     /// damping that is light for most pairs: zeta = 0.05 for the paper's (0.25 kg on 4.35e8 N/m), within
     /// the 0.03 to 0.17 published for steel gears (quoted by Amabili and Rivola, Mech. Syst. Signal Process. 11
     /// (1997) 375-390). The 1e5 N s/m of the paper's simulations is zeta = 4.8 there.

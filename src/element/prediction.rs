@@ -9,8 +9,8 @@
 //! ```
 //!
 //! with x the approach of the loaded flank, signed as the turn of gear 1, v its rate and F_(n-1) the force over the last
-//! step. The bodies go on with their velocities otherwise. The constant wrench is given that moves the bodies over the step in which it
-//! acts as the changing one would (the idea of the interface models of Peiret, Gonzalez, Kovecses and Teichmann, Multibody System
+//! step. The bodies go on with their velocities otherwise. The element returns the constant wrench that moves the bodies over the step in
+//! which it acts as the changing one would (the idea of the interface models of Peiret, Gonzalez, Kovecses and Teichmann, Multibody System
 //! Dynamics 46 (2019) 261-281, with the law itself in place of its linearisation).
 
 use nalgebra::Rotation3;
@@ -169,12 +169,13 @@ impl Element {
             step.follow(last);
         }
         let now = (prediction.loads, force);
-        if let Some((loads, mean)) = self.step_loads(phase, inputs, now, &step, request, workspace)
+        if let Some((loads, acting)) =
+            self.step_loads(phase, inputs, now, &step, request, workspace)
         {
             prediction.loads = loads;
-            step.next = mean;
+            step.next = acting;
             if request.coupling == Coupling::Sequential {
-                step.force = mean;
+                step.force = acting;
             }
         }
         prediction.step = Some(step);

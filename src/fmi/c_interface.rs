@@ -1,4 +1,4 @@
-//! The C interface of FMI 2.0: the one file with unsafe code.
+//! The C interface of FMI 2.0, with all unsafe code but that of vector registers (src/vector.rs).
 //!
 //! Every function that takes a component runs inside `call`, which refuses null components and wrong states, turns a
 //! panic into fmi2Fatal, and reports to the host's logger. What a function does is in the standard and in
@@ -358,7 +358,7 @@ exports! {
         put(state, ptr::without_provenance_mut(c.instance.deserialize(bytes)?))
     }
 
-    /// Exact partial derivatives of outputs by inputs, times the seed.
+    /// Partial derivatives of outputs by inputs, times the seed.
     fn fmi2GetDirectionalDerivative(
         c,
         unknown: References,
@@ -403,7 +403,7 @@ exports! {
         c.instance.do_step(point, step)
     }
 
-    /// Refused: a step is never in progress when a call returns.
+    /// Refused by the states of lifecycle.rs: a step is never in progress when a call returns.
     fn fmi2CancelStep(_c) { Ok(()) }
 
     fn fmi2GetStatus(c, kind: fmi2StatusKind, value: *mut fmi2Status) {

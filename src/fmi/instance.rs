@@ -435,8 +435,8 @@ impl Instance {
     }
 
     /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
-    /// change that `seeds` gives of the inputs `known`. Exact for the formulation in
-    /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
+    /// change that `seeds` gives of the inputs `known`. Exact but for `mesh.stiffness` and contact at run time, which have
+    /// central differences; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
     /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
     /// are among what is known, too: by differences of the outputs, good to some eight digits.
     /// Errors: references that are no outputs, inputs or such parameters, seeds that are not finite, inputs at

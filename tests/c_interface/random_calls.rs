@@ -22,7 +22,7 @@ const REALS: [f64; 16] = {
 /// Value references of inputs, outputs and parameters, each with a few beyond the last one.
 const INPUTS: [f64; 2] = [0.0, 49.0];
 const OUTPUTS: [f64; 2] = [100.0, 132.0];
-const PARAMETERS: [f64; 2] = [200.0, 224.0];
+const PARAMETERS: [f64; 2] = [200.0, 226.0];
 
 /// One instance under random calls.
 struct Host {

@@ -226,7 +226,7 @@ fn the_error_is_estimated_from_another_refinement_and_that_of_nothing_is_none() 
     let (solved, estimate) = text.split_once("estimated error").expect(&text);
     contains!(solved, "time for the model of the fillets");
     contains!(estimate, "its model of the fillets", "elements, normal");
-    // docs/validation.md: coarse is 0.3 % and some percent of a small swing away; docs/root-stress.md: some percent.
+    // docs/choosing.md: coarse is up to 0.5 % and some percent of a small swing away; docs/root-stress.md: some percent.
     // The refinements have segments of different lengths, which K_Hbeta does not feel.
     let names = "mean STE,p-p STE,root stress 1,root stress 2,K_Hbeta";
     for (name, most) in names.split(',').zip([1.0, 10.0, 5.0, 5.0, 2.0]) {

@@ -68,7 +68,7 @@ impl Discretization {
 const KERNEL_OVER_HERTZ: f64 = 4.0;
 
 /// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
-/// by more than 0.2 % (docs/theory/compliance.md).
+/// by more than 0.2 %.
 const WIDEST_KERNEL: f64 = 0.35;
 
 /// Half-width of a wide kernel over the elements along the involute: at 1.75 the transmission error of a wide pair changes by 1e-4.

@@ -72,7 +72,7 @@ impl Blank {
 /// What the pair says about the dynamics of its mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshDynamics {
-    /// The gears as solid discs.
+    /// The gears' bodies of steel.
     pub blanks: [Blank; 2],
     /// Reduced mass of both on the pitch circle, spinning alone, kg.
     pub reduced_mass: f64,

@@ -109,7 +109,8 @@ fn fmu(path: &Path) -> Result<String> {
         "GUID" => "{}", unit.guid;
         "platforms" => "{}", found.platforms.join(", ");
     }
-    let resources = Resources::new(unit.clone(), tables.clone(), found.contact)?;
+    let resources = Resources::new(unit.clone(), tables.clone(), found.contact)
+        .map_err(|error| format!("{}: {error}", path.display()))?;
     if let Some(time) = evaluation_time(&resources)? {
         let us = 1e6 * time;
         rows! { rows; "time of one evaluation" => "{us:.2} us on this machine, under nominal torque and with the start values below"; }

@@ -278,12 +278,13 @@ fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
 pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
     let gear = &pair.geometry.gears[i];
     for (name, m) in flanks(pair, i) {
-        match name {
-            _ if *m != Microgeometry::default() => (),
-            BOTH => rows.row("modifications", "none"),
-            _ => rows.row(name, "unmodified"),
+        if *m != Microgeometry::default() {
+            flank(name, gear, m, rows);
+        } else if name == BOTH {
+            rows.row("modifications", "none");
+        } else {
+            rows.row(name, "unmodified");
         }
-        flank(name, gear, m, rows);
     }
     for (name, words) in topographies(pair, i) {
         rows.row(name, words);
@@ -347,7 +348,8 @@ fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
         rows! { rows; named("profile crowning") => "{} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll", um(c.amount); }
     }
     if let Some(p) = m.profile_slope.filter(|p| p.amount != 0.0) {
-        let ([from, to], c_ha) = (diameters(p.rolls), um(-p.amount));
+        let [from, to] = diameters(p.rolls);
+        let c_ha = um(-p.amount / gear.base_helix_angle().cos());
         rows! { rows;
             named("profile slope") => "{} um more at diameter {to} than at {from} mm (C_Ha {c_ha} um), linear, 0 at mid-roll", um(p.amount);
         }

@@ -140,7 +140,7 @@ impl ContactLines<'_> {
         flanks.profile(flanks.closest().s)
     }
 
-    /// Whole segments, also those up to `margin` (m, along the path) beyond the reach of contact.
+    /// Whole segments of [`ContactLines::clamped`] lines, also those up to `margin` (m, along the path) beyond the reach of contact.
     pub fn segments_beyond(&self, margin: f64) -> Vec<Candidate> {
         let [first, last] = self.section.reach;
         let segment = |k: i32, station: usize| {

@@ -327,7 +327,8 @@ impl ContactFile {
     pub fn from_bytes(bytes: &[u8]) -> Result<ContactFile, String> {
         let bytes = sealed::open(MAGIC, bytes)?;
         let (length, rest) = bytes.split_first_chunk::<8>().ok_or("it has no head")?;
-        let parts = rest.split_at_checked(u64::from_le_bytes(*length) as usize);
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        let parts = rest.split_at_checked(length);
         let (head, values) = parts.ok_or("the head is longer than the file")?;
         let head: Head<ContactSetup, CondensedFlank> =
             serde_json::from_slice(head).map_err(|e| crate::words::json_problem(&e))?;

@@ -296,13 +296,7 @@ impl<T: Scalar> Solution<T> {
         }
 
         let mut on_2 = pose.map.wrench(&slopes);
-        let [drive, coast] = &flanks;
-        // Index and sign of the flank that carries the larger force.
-        let (index, flank) = match (drive.elastic.re(), coast.elastic.re()) {
-            (drive, coast) if drive <= 0.0 && coast <= 0.0 => (el.reference_flank, 0),
-            (drive, coast) if drive >= coast => (0, 1),
-            _ => (1, -1),
-        };
+        let (index, flank) = carrying_flank(&flanks, el.reference_flank);
         let (mut friction_power, mut friction_coefficient, mut loss_factor) = (zero, zero, zero);
         if let Some(friction) = &el.friction {
             for (i, load) in flanks.iter().enumerate() {
@@ -340,6 +334,7 @@ impl<T: Scalar> Solution<T> {
         };
         let rate = rates.turn * reference.sign - rates.half_gap;
         let per_base_sum = reference.sign / k.base_sum;
+        let [drive, coast] = &flanks;
         let force = drive.force() + coast.force();
         let outputs = Outputs {
             force: [loads[0].linear, loads[1].linear],
@@ -375,6 +370,20 @@ impl<T: Scalar> Solution<T> {
 fn in_world<T: Scalar>(gear: &Motion, from_origin: Vector3<T>) -> Vector3<T> {
     let [x, y, z] = from_origin.into();
     Vector3::new(x + gear.p.x, y + gear.p.y, z + gear.p.z)
+}
+
+/// Index of the flank that carries the larger elastic force and its sign; the `reference` flank and 0 where
+/// none does.
+#[inline(always)]
+fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (usize, i32) {
+    let [drive, coast] = [flanks[0].elastic.re(), flanks[1].elastic.re()];
+    if drive <= 0.0 && coast <= 0.0 {
+        (reference, 0)
+    } else if drive >= coast {
+        (0, 1)
+    } else {
+        (1, -1)
+    }
 }
 
 /// Stress in the roots of gear 1 and gear 2 under the loads of both `flanks`, Pa: the larger one; that of `extras` under loads that

@@ -280,7 +280,7 @@ fn onset(
     /// To which the onset is found, m: a hundredth of the rounding of microns.
     const NEAR: f64 = 1e-17;
     /// Evaluations after which bisection takes over.
-    const MOST: usize = 20;
+    const EVALUATIONS: usize = 20;
     let (mut free, mut pressed) = (-most, most);
     let (mut next, mut step) = (start, FIRST);
     for tried in 0.. {
@@ -303,7 +303,7 @@ fn onset(
         if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
             break;
         }
-        let helps = free < guess && guess < pressed && tried < MOST;
+        let helps = free < guess && guess < pressed && tried < EVALUATIONS;
         next = if helps { guess } else { middle };
     }
     Ok(free)

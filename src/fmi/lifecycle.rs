@@ -116,11 +116,11 @@ const ROUNDINGS: f64 = 16.0;
 /// Where the simulation stands.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clock {
-    /// Of the experiment, s.
+    /// Start of the experiment, s.
     start: f64,
     /// Current communication point, s.
     pub time: f64,
-    /// Of the experiment, s.
+    /// End of the experiment, s, if the host set one.
     stop: Option<f64>,
     /// Start of the last step, s; `None` before the first one.
     previous: Option<f64>,

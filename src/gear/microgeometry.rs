@@ -18,11 +18,11 @@ pub struct Microgeometry {
     pub root_relief: Option<ProfileRelief>,
     /// Profile crowning.
     pub profile_crowning: Option<ProfileCrowning>,
-    /// Profile slope (C_Ha), and its change along the face: bias.
+    /// Profile slope, and its change along the face: bias.
     pub profile_slope: Option<ProfileSlope>,
     /// Lead crowning: removal at each end of the face, m, parabolic, zero at mid-face.
     pub lead_crowning: f64,
-    /// Lead slope (C_Hb): removal at the z = face width end minus that at the z = 0 end, m; zero at
+    /// Lead slope: removal at the z = face width end minus that at the z = 0 end, m; zero at
     /// mid-face, so that it shifts no transmission error that is referred to mid-face. The same on both flanks of a
     /// tooth it tapers the tooth, of opposite signs it changes the helix angle.
     pub lead_slope: f64,
@@ -101,7 +101,7 @@ impl Microgeometry {
         self.profile_slope.is_some_and(|p| p.bias != 0.0) || self.topography.is_some()
     }
 
-    /// Bound of [`Microgeometry::removal`] over the whole face between the lengths of roll `rolls`, m.
+    /// Bound of [`Microgeometry::removal`] over the whole face between the lengths of roll `rolls` (either first), m.
     pub fn largest_removal(&self, gear: &Gear, rolls: [f64; 2]) -> f64 {
         let mut smooth = self.clone();
         let topography = smooth.topography.take();

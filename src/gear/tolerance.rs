@@ -1,5 +1,5 @@
 //! Flank tolerances of ISO 1328-1:2013. The standard measures in the transverse section: slopes along the transverse base
-//! tangent, pitches along the arc of the reference circle. Here they stand as pair files have them: slopes normal to the flank,
+//! tangent, pitches along the arc of a circle at mid-depth, here the reference circle. Here they stand as pair files have them: slopes normal to the flank,
 //! index errors along the transverse line of action.
 
 use super::Gear;
@@ -9,8 +9,8 @@ use crate::root::bisection;
 /// Finest and coarsest flank tolerance class.
 pub const CLASSES: std::ops::RangeInclusive<u8> = 1..=11;
 
-/// The tolerance of `class`, m, as the standard measures it, from that of class 5 in um: sqrt(2) per class, rounded to whole um above 10, to halves above
-/// 5, else to tenths (5.2.3 of the standard).
+/// The tolerance of `class`, m, as the standard measures it, from that of class 5 in um: sqrt(2) per class, rounded to whole um
+/// above 10, to halves above 5, else to tenths (5.2.3 of the standard).
 fn tolerance(class: u8, at_five_um: f64) -> f64 {
     let um = at_five_um * 2f64.powf(0.5 * (f64::from(class) - 5.0));
     let step = match um {
@@ -56,7 +56,7 @@ pub fn total_pitch(gear: &Gear, class: u8) -> f64 {
 
 /// Index errors of all teeth of a gear of `class`, m, mean zero: a wave once per revolution at a random angle, as of a blank
 /// that sat askew, and for each tooth a random part of half the single pitch tolerance. They use up the total cumulative or
-/// the single pitch tolerance, whichever comes first.
+/// the single pitch tolerance, whichever comes first. The same for the same `seed`.
 pub fn random_index_errors(gear: &Gear, class: u8, seed: u32) -> Vec<f64> {
     let n = gear.teeth as usize;
     // Seeds of xorshift should have bits all over: multiplied by 2^64 over the golden ratio.

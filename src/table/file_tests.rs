@@ -59,6 +59,21 @@ fn refusal(mut changed: Value, pointer: &str, value: Value) -> String {
 }
 
 #[test]
+fn each_change_of_a_sealed_file_is_noticed() {
+    let text = file().to_json();
+    for (from, to) in [
+        ("\"teeth\":20", "\"teeth\":21"),
+        ("\"nominal_torque_nm\":100.0", "\"nominal_torque_nm\":101.0"),
+        ("\"spring\"", "\"Spring\""),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(changed, text);
+        let error = TableFile::from_json(&changed).unwrap_err().to_string();
+        assert!(error.starts_with("checksum_sha256 = "), "{error}");
+    }
+}
+
+#[test]
 fn defects_are_refused_by_field_even_with_a_good_checksum() {
     let mut with_stress = file();
     with_stress.root_stress = Some(root_stress());

@@ -8,7 +8,7 @@ mod gears;
 #[path = "../../tests/common/spring.rs"]
 mod spring;
 
-use approx::assert_relative_eq;
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::element::{Element, Formulation, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::table::{FlankTable, Interpolation};
 use gearmesh_validation::driver::{Bearing, Gear, INERTIA, Scene, Spin, State};
@@ -22,6 +22,14 @@ fn gear(pair: &gearmesh::gear::PairGeometry, i: usize, spin: Spin) -> Gear {
         center_of_mass: 12.5e-3,
         ..Gear::new(pair, i, spin)
     }
+}
+
+/// Constant stiffness, drive flank, gear 1 held or driven, gear 2 free to spin under `torque`.
+fn one_freedom(parameters: &Parameters, torque: Spin) -> Scene {
+    let pair = paper_pair(1.0);
+    let element = Element::new(&pair, parameters, None).unwrap();
+    let gears = [gear(&pair, 0, Spin::speed(0.0)), gear(&pair, 1, torque)];
+    Scene::new(element, gears).unwrap()
 }
 
 fn quiet() -> Parameters {
@@ -40,11 +48,8 @@ fn angle(state: &State) -> f64 {
 #[test]
 fn runge_kutta_finds_the_mesh_frequency() {
     // Gear 1 held; external: the drive flank pushes gear 2 to -theta, so the load is +.
+    let scene = one_freedom(&quiet(), Spin::torque(100.0));
     let pair = paper_pair(1.0);
-    let element = Element::new(&pair, &quiet(), None).unwrap();
-    let [held, free] = [Spin::speed(0.0), Spin::torque(100.0)];
-    let gears = [gear(&pair, 0, held), gear(&pair, 1, free)];
-    let scene = Scene::new(element, gears).unwrap();
     let rb = pair.gears[1].base_radius();
     let phi = pair.operating_pressure_angle(pair.center_distance);
     let stiffness = 4.35e8 / phi.cos().powi(2) * rb * rb; // N m/rad
@@ -59,6 +64,45 @@ fn runge_kutta_finds_the_mesh_frequency() {
         y = scene.step(f64::from(n) * h, &y, h).unwrap();
     }
     assert_relative_eq!(angle(&y), 2.0 * rest, max_relative = 1e-9);
+}
+
+#[test]
+fn gains_are_those_of_the_papers_table_2() {
+    // |H| = k / sqrt((k - m w^2)^2 + (c w)^2), k = 4.35e8, c = 1e5, m = 0.25 kg tangential.
+    for formulation in [Formulation::Paper, Formulation::Conjugate] {
+        for frequency in [200.0, 1000.0, 5000.0] {
+            let w = std::f64::consts::TAU * frequency;
+            let parameters = Parameters {
+                formulation,
+                damping: 1e5,
+                ..quiet()
+            };
+            let torque = Spin::Torque(Arc::new(move |t, _| 100.0 + 30.0 * (w * t).sin()));
+            let scene = one_freedom(&parameters, torque);
+            // c/k = 0.23 ms: the start has died out after 4 ms. The pair is overdamped, so 1 us steps.
+            let settle = (4e-3 * frequency).ceil() / frequency;
+            let (mut sine, mut cosine) = (0.0, 0.0);
+            let h = 1e-6_f64.min(1.0 / frequency / 400.0);
+            let settle_steps = (settle / h).round() as usize;
+            let period_steps = (1.0 / frequency / h).round() as usize;
+            let mut y = scene.rest();
+            for n in 0..settle_steps + period_steps {
+                let t = n as f64 * h;
+                if n >= settle_steps {
+                    sine += angle(&y) * (w * t).sin();
+                    cosine += angle(&y) * (w * t).cos();
+                }
+                y = scene.step(t, &y, h).unwrap();
+            }
+            let pair = paper_pair(1.0);
+            let r = pair.operating_pitch_radius(1, pair.center_distance);
+            let amplitude = 2.0 * sine.hypot(cosine) / period_steps as f64;
+            let gain = amplitude / (30.0 / (4.35e8 * r * r));
+            let m = INERTIA / (r * r);
+            let expected = 4.35e8 / ((4.35e8 - m * w * w).powi(2) + (1e5 * w).powi(2)).sqrt();
+            assert_abs_diff_eq!(gain, expected, epsilon = 2e-3);
+        }
+    }
 }
 
 /// Gear 2 in six freedoms on undamped springs against gear 1, held; all effects of a potential on.
@@ -101,6 +145,9 @@ fn a_gear_in_six_freedoms_keeps_its_energy() {
     };
     let conjugate = drift(Formulation::Conjugate);
     let paper = drift(Formulation::Paper);
-    assert!(conjugate < 1e-5, "conjugate: {conjugate:.1e}");
+    assert!(
+        conjugate < 1e-5,
+        "conjugate: {conjugate:.1e} of the kinetic energy"
+    );
     assert!(paper > 1e-2, "paper: {paper:.1e}");
 }

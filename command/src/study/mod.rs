@@ -40,7 +40,7 @@ pub struct Study {
     #[arg(long, value_name = "FIELD=VALUES", value_parser = Requested::parse)]
     vary: Vec<Requested>,
 
-    /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile and helix slope of both gears are drawn within its f_HaT and f_HbT
+    /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile and helix slope of both gears are drawn within its f_HaT and f_HbT, times cos beta_b
     #[arg(long, value_name = "CLASS", value_parser = class)]
     iso_1328_class: Option<u8>,
 

@@ -123,3 +123,25 @@ fn the_error_of_contact_at_run_time_is_that_of_the_unit() {
     // One station knows neither crowning nor tilt.
     assert!(one > 3.0 && usual < 0.5, "{one} % and {usual} %");
 }
+
+#[test]
+fn a_tilt_far_beyond_what_the_teeth_give_way_has_tables() {
+    let folder = Folder::new();
+    let gear = |teeth: u32| json!({ "teeth": teeth, "face_width_mm": 20.0 });
+    let pair = json!({
+        "name": "wide tilt", "meshing": "external", "normal_module_mm": 2.0,
+        "normal_pressure_angle_deg": 20.0, "helix_angle_deg": 12.0,
+        "gear1": gear(20), "gear2": gear(30),
+        "operating": {
+            "nominal_torque_nm": 20.0, "maximum_torque_nm": 40.0,
+            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-20.0, 20.0],
+        },
+    });
+    let pair = folder.write("pair.json", pair.to_string());
+    let tables = folder.path("tables.json");
+    succeed!("tables {pair} -o {tables} -q {QUICK}");
+    let made = super::json(folder.read("tables.json"));
+    assert_eq!(numbers(&made["axes"]["misalignment_rad"]).len(), 33);
+    let rms = number(&made["interpolation_error"]["force_rms"]);
+    assert!(rms < 5e-3, "{rms}");
+}

@@ -135,11 +135,14 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let roots = self.results.par_iter().map(|result| {
-            let seen: Vec<_> = result.segments.iter().map(|segment| segment.seen).collect();
-            PositionRoots::of_segments(&seen, input.center_distance_offset, models)
+        let positions = self.results.par_iter().map(|result| {
+            let loaded = result.segments.iter().filter(|segment| segment.force > 0.0);
+            let loaded: Vec<SegmentLoad> = loaded.copied().collect();
+            let seen: Vec<_> = loaded.iter().map(|segment| segment.seen).collect();
+            let roots = PositionRoots::of_segments(&seen, input.center_distance_offset, models);
+            (roots, loaded)
         });
-        let roots: Vec<PositionRoots> = roots.collect();
+        let positions: Vec<(PositionRoots, Vec<SegmentLoad>)> = positions.collect();
         let results = self.results.iter().enumerate();
         let teeth = results.flat_map(|(position, result)| {
             let pairs = under_load(result).into_iter();
@@ -149,7 +152,8 @@ impl MeshCycle {
         let geometry = &solver.setup().geometry;
         let of_gear = |i: usize| -> Result<GearRoots, ContactError> {
             let field = |(position, tooth_pair): (usize, i32)| {
-                roots[position].field(i, tooth_pair, &self.results[position].segments)
+                let (roots, loads) = &positions[position];
+                roots.field(i, tooth_pair, loads)
             };
             // From the gear's canonical coordinates into gear 1's frame.
             let placed = |point: RootPoint| {

@@ -55,7 +55,8 @@ pub struct FiniteElementCompliance {
 }
 
 impl FiniteElementCompliance {
-    /// Computes the model of `gear`, or reads it from `cache` if there is one; microgeometry plays no part.
+    /// Computes the model of `gear`, whose body joins its teeth as a pair file's does, or reads it from `cache` if there is one;
+    /// microgeometry plays no part.
     ///
     /// # Errors
     /// [`FiniteElementError`]: no usable tooth, memory, or cancelled by `progress`.

@@ -124,7 +124,7 @@ macro_rules! with_modifications {
             pub tip_relief: Option<ReliefFile>,
             pub root_relief: Option<ReliefFile>,
             pub profile_crowning_um: Option<f64>,
-            /// Removal at the tip minus that at the start of the active profile, -C_Ha.
+            /// Removal at the tip minus that at the start of the active profile, -C_Ha cos beta_b.
             pub profile_slope_um: Option<f64>,
             /// Profile slope at z = face width minus that at z = 0.
             pub bias_um: Option<f64>,

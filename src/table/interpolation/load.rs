@@ -27,8 +27,8 @@ pub struct LoadSpline {
 }
 
 impl LoadSpline {
-    /// Of the `columns` at `nodes` (of [`crate::table::LoadAxes::nodes`]), cut at 0 along the axes of centre distance and misalignment whose effect
-    /// is off.
+    /// Of the `columns` at `nodes` (of [`crate::table::LoadAxes::nodes`]), cut at 0 along the axes of centre distance and
+    /// misalignment whose effect is off.
     ///
     /// # Errors
     /// Nodes through which no spline passes; an axis to be cut that does not hold 0.

@@ -9,26 +9,32 @@ use super::variables::check_finite;
 
 /// State of one instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum State {
+    /// After fmi2Instantiate or fmi2Reset.
     Instantiated,
+    /// Between fmi2EnterInitializationMode and fmi2ExitInitializationMode.
     InitializationMode,
-    /// Co-simulation: ready for fmi2DoStep.
+    /// Co-simulation: ready for fmi2DoStep ("stepComplete" of the standard).
     StepComplete,
-    /// Model exchange, as the next.
+    /// Model exchange: between fmi2ExitInitializationMode or fmi2EnterEventMode and
+    /// fmi2EnterContinuousTimeMode.
     EventMode,
+    /// Model exchange: the host integrates.
     ContinuousTimeMode,
+    /// After fmi2Terminate.
     Terminated,
     /// After a call returned fmi2Error: a stored state, fmi2Reset or fmi2FreeInstance lead out.
     Error,
+    /// After a call returned fmi2Fatal.
     Fatal,
 }
 
 /// What an instance was made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum Interface {
+    /// fmi2CoSimulation.
     CoSimulation,
+    /// fmi2ModelExchange.
     ModelExchange,
 }
 

@@ -24,13 +24,16 @@ use crate::element::ElementError;
 
 /// What a message to the host is about, in the order of fmi2Status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum Severity {
-    /// fmi2OK.
+    /// fmi2OK: an event.
     Event,
+    /// fmi2Warning: the outputs are not to be trusted.
     Warning,
+    /// fmi2Discard: not available, state unchanged.
     Discard,
+    /// fmi2Error.
     Error,
+    /// fmi2Fatal.
     Fatal,
 }
 

@@ -14,44 +14,54 @@ pub enum Kind {
     Enumeration,
 }
 
-/// Role of a variable towards the host, as in the standard.
+/// Role of a variable towards the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum Causality {
+    /// Set by the host at any communication point.
     Input,
+    /// Computed by the FMU.
     Output,
+    /// Set by the host before or in initialization; later only where tunable.
     Parameter,
 }
 
-/// When a variable may change, as in the standard.
+/// When a variable may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum Variability {
+    /// At any time.
     Continuous,
+    /// A parameter that is fixed after initialization.
     Fixed,
+    /// A parameter that may change between communication steps.
     Tunable,
 }
 
-/// One scalar variable of the FMU, as in modelDescription.xml.
+/// One scalar variable of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs)]
 pub struct Variable {
+    /// Name as in modelDescription.xml.
     pub name: &'static str,
-    /// Unique over all base types.
+    /// Value reference, unique over all base types.
     pub value_reference: u32,
+    /// Base type.
     pub kind: Kind,
+    /// Role.
     pub causality: Causality,
+    /// When it may change.
     pub variability: Variability,
     /// Start value of the template (a packed FMU may have another one); Boolean as 0 or 1.
     pub start: Option<f64>,
+    /// Smallest legal value.
     pub min: Option<f64>,
+    /// Largest legal value.
     pub max: Option<f64>,
     /// Size that its values usually have, in its unit.
     pub nominal: f64,
-    /// Empty for types without one.
+    /// Unit, empty for types without one.
     pub unit: &'static str,
     /// Names of the items of an enumeration, counted from 1; empty for other types.
     pub items: &'static [&'static str],
+    /// Description as in modelDescription.xml.
     pub description: &'static str,
 }
 

@@ -1,5 +1,6 @@
 //! Figures as SVG, drawn large, since plotters rounds to whole pixels, and shown by the page at half the size.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use gearmesh::words::fixed;
@@ -23,6 +24,12 @@ const SIZE: (u32, u32) = (1400, 800);
 /// Of the width, for the legend and for the scale next to the plot.
 const LEGEND_WIDTH: u32 = 380;
 const SCALE_WIDTH: u32 = 190;
+/// Around a plot, below it and on its left for the numbers.
+const MARGIN: u32 = 24;
+const BELOW: u32 = 96;
+const LEFT: u32 = 130;
+/// Shades of a map: finer ones no eye tells apart.
+const SHADES: usize = 64;
 
 const INK: RGBColor = RGBColor(34, 34, 34);
 
@@ -90,16 +97,38 @@ fn range(values: impl Iterator<Item = f64>, least: f64) -> Range<f64> {
     start - margin..end + margin
 }
 
+/// `axes` with the shorter one, per pixel of its `pixels`, widened about its middle to the scale of the other.
+fn to_scale(axes: [Range<f64>; 2], pixels: [f64; 2]) -> [Range<f64>; 2] {
+    let lengths = axes.each_ref().map(|axis| axis.end - axis.start);
+    let scale = (lengths[0] / pixels[0]).max(lengths[1] / pixels[1]);
+    std::array::from_fn(|k| {
+        let middle = 0.5 * (axes[k].start + axes[k].end);
+        let half = 0.5 * scale * pixels[k];
+        middle - half..middle + half
+    })
+}
+
 fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> {
     let points = || curves.iter().flat_map(|c| &c.points);
     let lower = curves.iter().filter_map(|curve| match &curve.style {
         Style::Band(low) => Some(low),
         _ => None,
     });
-    let (Height::Curves(least) | Height::FromZero(least)) = height;
+    let least = match height {
+        Height::Curves(least) | Height::FromZero(least) => least,
+        Height::ToScale => 0.0,
+    };
+    let mut x = ends(points().map(|p| p.0));
     let mut y = range(points().map(|p| p.1).chain(lower.flatten().copied()), least);
     if let Height::FromZero(_) = height {
         y.start = 0.0;
+    }
+    if let Height::ToScale = height {
+        let pixels = [
+            SIZE.0 - LEGEND_WIDTH - 2 * MARGIN - LEFT,
+            SIZE.1 - 2 * MARGIN - BELOW,
+        ];
+        [x, y] = to_scale([x, y], pixels.map(f64::from));
     }
     let is_own = |c: &&Curve| !matches!(c.style, Style::Dashed(_));
     let own = curves.iter().filter(is_own).count().max(1);
@@ -111,10 +140,10 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
     drawn(|area| {
         let (plot, legend) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
         let mut chart = ChartBuilder::on(&plot)
-            .margin(24)
-            .x_label_area_size(96)
-            .y_label_area_size(130)
-            .build_cartesian_2d(ends(points().map(|p| p.0)), y)?;
+            .margin(MARGIN)
+            .x_label_area_size(BELOW)
+            .y_label_area_size(LEFT)
+            .build_cartesian_2d(x, y)?;
         axes(&mut chart, [&labels[0], &labels[1]], 8, 0.12)?;
         let mut next = 40;
         let mut entry = |style: &Style, line: ShapeStyle, label: &str| -> Result<()> {
@@ -188,35 +217,38 @@ fn shade(fraction: f64) -> RGBColor {
 
 /// Higher values over lower ones.
 fn map(labels: &[String], map: &Map) -> Result<String> {
-    let order = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
-    let mut patches: Vec<_> = map.patches.iter().collect();
-    patches.sort_by(|a, b| order(a.value).total_cmp(&order(b.value)));
     let [x_ends, y_ends] = map.ends.map(|[low, high]| low..high);
     let top = if map.top > 0.0 { map.top } else { 1.0 };
-    drawn(|area| {
+    let mut layers: BTreeMap<usize, String> = BTreeMap::new();
+    let mut svg = drawn(|area| {
         let (plot, bar) = area.split_horizontally(SIZE.0 - SCALE_WIDTH);
         let mut chart = ChartBuilder::on(&plot)
-            .margin(24)
-            .x_label_area_size(96)
-            .y_label_area_size(130)
+            .margin(MARGIN)
+            .x_label_area_size(BELOW)
+            .y_label_area_size(LEFT)
             .build_cartesian_2d(x_ends, y_ends)?;
         axes(&mut chart, [&labels[0], &labels[1]], 6, 0.0)?;
-        // Patches that adjoin would leave gaps: each is a pixel larger all around.
-        let (width, height) = chart.plotting_area().dim_in_pixel();
-        let pixel = [(0, width), (1, height)]
-            .map(|(axis, n)| (map.ends[axis][1] - map.ends[axis][0]) / f64::from(n));
-        chart.draw_series(patches.into_iter().map(|patch| {
-            let [x, y] = [0, 1].map(|axis| {
-                let [a, b] = patch.ends[axis];
-                [a.min(b) - pixel[axis], a.max(b) + pixel[axis]]
+        for (name, y) in map.end_names.into_iter().zip(map.ends[1]) {
+            let (column, row) = chart.backend_coord(&(map.ends[0][0], y));
+            let above = if y == map.ends[1][0] { -32 } else { 4 };
+            plot.draw(&Text::new(name, (column + 8, row + above), font(30)))?;
+        }
+        for patch in &map.patches {
+            let [a, b] = [0, 1].map(|end| {
+                let corner = (patch.ends[0][end], patch.ends[1][end]);
+                chart.backend_coord(&corner)
             });
-            let corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])];
-            let colour = patch.value.map_or(EDGE, |value| shade(value / top));
-            Polygon::new(corners, colour.filled())
-        }))?;
+            // Patches that adjoin would leave gaps: each is a pixel larger all around.
+            let (x, y) = (a.0.min(b.0) - 1, a.1.min(b.1) - 1);
+            let (width, height) = (a.0.abs_diff(b.0) + 2, a.1.abs_diff(b.1) + 2);
+            let shade = |value: f64| (value / top * SHADES as f64).clamp(0.0, SHADES as f64 - 1.0);
+            let layer = patch.value.map_or(SHADES, |value| shade(value) as usize);
+            let path = layers.entry(layer).or_default();
+            *path += &format!("M{x} {y}h{width}v{height}h-{width}z");
+        }
         let mut bar = ChartBuilder::on(&bar)
-            .margin(24)
-            .margin_bottom(120)
+            .margin(MARGIN)
+            .margin_bottom(MARGIN + BELOW)
             .right_y_label_area_size(120)
             .build_cartesian_2d(0.0..1.0, 0.0..top)?;
         axes(&mut bar, ["", &labels[2]], 5, 0.0)?;
@@ -227,7 +259,21 @@ fn map(labels: &[String], map: &Map) -> Result<String> {
             Rectangle::new([(0.0, height(i)), (1.0, height(i + 1))], colour.filled())
         }))?;
         Ok(())
-    })
+    })?;
+    // One path a shade: as polygons of plotters' the patches would be five times as long.
+    let paths: String = layers
+        .iter()
+        .map(|(layer, path)| {
+            let RGBColor(r, g, b) = match *layer {
+                SHADES => EDGE,
+                shaded => shade((shaded as f64 + 0.5) / SHADES as f64),
+            };
+            format!("<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"{path}\"/>\n")
+        })
+        .collect();
+    let end = svg.rfind("</svg>").unwrap_or(svg.len());
+    svg.insert_str(end, &paths);
+    Ok(svg)
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -261,16 +307,24 @@ mod tests {
         let rows: Vec<f64> = (0..40).map(|i| f64::from(i) * (1.0 / 40.0)).collect();
         let cells = Map::on_nodes([&[0.0], &rows], vec![1.0; 40], 1.0);
         let svg = map(&["x", "y", "v"].map(Into::into), &cells).unwrap();
-        let ends = |polygon: &str| {
-            let points = polygon.split("points=\"").nth(1).unwrap();
-            let points = points.split('"').next().unwrap().split_whitespace();
-            let y = points.map(|p| p.split_once(',').unwrap().1.parse::<i32>().unwrap());
-            (y.clone().min(), y.max())
+        let ends = |rectangle: &str| {
+            let number = |text: &str| text.parse::<i32>().unwrap();
+            let (corner, way) = rectangle.split_once('h').unwrap();
+            let y = number(corner.split_once(' ').unwrap().1);
+            let height = number(way.split(['v', 'h']).nth(1).unwrap());
+            (y, y + height)
         };
-        let mut rows: Vec<_> = svg.split("<polygon").skip(1).map(ends).collect();
+        let path = svg.rsplit("d=\"").next().unwrap();
+        let mut rows: Vec<_> = path.split('M').skip(1).map(ends).collect();
         rows.sort_unstable();
         assert_eq!(rows.len(), 40);
         assert!(rows.windows(2).all(|w| w[1].0 < w[0].1), "{rows:?}");
+    }
+
+    #[test]
+    fn a_drawing_has_one_scale_and_shows_all() {
+        let [x, y] = to_scale([0.0..2.0, -1.0..1.0], [800.0, 400.0]);
+        assert_eq!((x, y), (-1.0..3.0, -1.0..1.0));
     }
 
     #[test]

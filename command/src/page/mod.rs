@@ -6,6 +6,9 @@ mod draw;
 use std::path::Path;
 
 use askama::Template;
+use gearmesh::words::hex;
+use sha2::{Digest, Sha256};
+use time::OffsetDateTime;
 
 use crate::error::Result;
 use crate::output;
@@ -14,6 +17,8 @@ use crate::output;
 #[template(path = "page.html")]
 pub struct Page {
     pub title: String,
+    /// What was computed, by which version, and when.
+    pub origin: String,
     pub sections: Vec<Section>,
 }
 
@@ -55,6 +60,17 @@ fn slug(title: &str) -> String {
     words.join("-")
 }
 
+/// The version of gearmesh, today's date (UTC), and the file that a page is about with its SHA-256.
+pub fn origin(file: &Path) -> Result<String> {
+    let bytes = std::fs::read(file).map_err(|error| output::unreadable(file, &error))?;
+    let hash = hex(&Sha256::digest(bytes)[..8]);
+    let date = OffsetDateTime::now_utc().date();
+    let (version, file) = (env!("CARGO_PKG_VERSION"), file.display());
+    Ok(format!(
+        "gearmesh {version}, {date}. {file}, SHA-256 {hash}..."
+    ))
+}
+
 impl Page {
     /// Writes the page to `path`, and every figure as SVG and CSV into the folder `figures`.
     pub fn write(&self, path: &Path, figures: Option<&Path>) -> Result<()> {
@@ -90,6 +106,8 @@ pub enum Height {
     Curves(f64),
     /// From zero, at least to this.
     FromZero(f64),
+    /// A drawing: both axes to the same scale.
+    ToScale,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -123,6 +141,8 @@ impl Curve {
 #[derive(Debug, Clone)]
 pub struct Map {
     pub ends: [[f64; 2]; 2],
+    /// Names of the low and the high end of the second axis; empty: none.
+    pub end_names: [&'static str; 2],
     pub patches: Vec<Patch>,
     /// Top of the scale, which begins at 0.
     pub top: f64,
@@ -166,7 +186,12 @@ impl Map {
         let wider = |[low, high]: [f64; 2], end: f64| [low.min(end), high.max(end)];
         let ends = axes.map(|cells| cells.into_iter().flatten().fold(NOTHING, wider));
         let top = patches.iter().filter_map(|p| p.value).fold(top, f64::max);
-        Map { ends, patches, top }
+        Map {
+            ends,
+            end_names: [""; 2],
+            patches,
+            top,
+        }
     }
 
     /// The same cut to `low..high` along its first axis.
@@ -310,8 +335,14 @@ mod tests {
             .map(|row| row.map(Into::into).into())
             .into();
         let (title, sections) = ("<script>".into(), vec![section]);
-        let html = Page { title, sections }.render().unwrap();
-        for tag in ["<script>", "<i>", "<u>"] {
+        let origin = "<b>".into();
+        let page = Page {
+            title,
+            origin,
+            sections,
+        };
+        let html = page.render().unwrap();
+        for tag in ["<script>", "<b>", "<i>", "<u>"] {
             assert!(!html.contains(tag), "{html}");
         }
         let escaped = ["a &#38; b", "1 &#60; 2"];

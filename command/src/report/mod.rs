@@ -12,12 +12,12 @@ use gearmesh::table::{Table, TableFile};
 use gearmesh_preprocessor::pair;
 
 use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words};
-use crate::columns::lines;
+use crate::columns::{Column, Listing, columns, lines, list};
 use crate::error::Result;
 use crate::inspect::is_tables;
 use crate::model::{ModelArgs, widen};
 use crate::output::{self, Job};
-use crate::page::{Page, Section};
+use crate::page::{Page, Section, origin};
 use crate::pair_summary::pair_summary;
 use crate::{limits, study};
 use sections::{Loads, evenly};
@@ -87,12 +87,14 @@ impl Report {
         let note = format!("Elastic model: {description}.");
         let mut page = Page {
             title: format!("Static tooth contact: {}", pair.name),
-            sections: vec![Section::new("Pair", note, vec![]).with_text(summary)],
+            origin: origin(&self.pair)?,
+            sections,
         };
+        page.sections
+            .push(Section::new("Pair", note, vec![]).with_text(summary));
         if let Some(path) = &self.tables {
             page.sections.push(self.tables_section(path, &pair)?);
         }
-        page.sections.extend(sections);
         if let Some(folder) = &self.study {
             page.sections.push(study::bands_of(folder, &pair.name)?);
         }
@@ -142,19 +144,24 @@ impl Report {
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
         let nominal = variant.cases(&[loads.nominal], &tilts, self.positions)?;
         let survey = variant.cases(&loads.survey, &[0.0], sections::POSITIONS)?;
-        let mut all = vec![sections::modifications(&pair)];
-        all.extend(variant_sections(&variant, loads, &aligned, &survey)?);
-        all.insert(2, table(solver, &aligned));
-        all.push(sections::losses(&pair, solver, loads, &survey));
-        all.extend(sections::carried(
-            &pair,
-            &aligned,
-            &nominal[0],
-            &nominal[1..],
-        ));
+        let mut all = variant_sections(&variant, loads, &aligned, &survey)?;
+        complete_overview(&mut all[0], &pair, &nominal[0]);
+        all.insert(1, table(solver, &aligned));
         if self.model.root_stress {
             all.push(sections::roots(&aligned, loads.nominal));
         }
+        let others: Vec<Case> = aligned
+            .into_iter()
+            .filter(|case| case.input.torque != loads.nominal)
+            .collect();
+        all.extend(sections::carried(
+            &pair,
+            &others,
+            &nominal[0],
+            &nominal[1..],
+        ));
+        all.push(sections::losses(&pair, solver, loads, &survey));
+        all.push(sections::modifications(&pair));
         Ok((model.description, all))
     }
 
@@ -188,6 +195,47 @@ impl Report {
 /// What something is in words, and the sections on it.
 type Described = Result<(String, Vec<Section>)>;
 
+/// Adds to the `overview` what the pair is and carries at its `nominal` torque, in numbers and pictures.
+fn complete_overview(overview: &mut Section, pair: &Pair, nominal: &Case) {
+    let mut rows = Listing::default();
+    list(&mut rows, &key_numbers(pair), &nominal);
+    overview.text = rows.to_string();
+    overview.note += &format!(" {}", sections::PATTERN_NOTE);
+    overview
+        .figures
+        .extend(sections::teeth_in_mesh(&pair.geometry));
+    overview.figures.extend(sections::contact_patterns(
+        &pair.geometry,
+        std::slice::from_ref(nominal),
+        |case| torque_in_words(case.input.torque),
+    ));
+}
+
+/// The pair and its mesh cycle in the numbers that are looked at first.
+fn key_numbers(pair: &Pair) -> Vec<Column<'_, &Case>> {
+    let g = &pair.geometry;
+    let c = g.center_distance;
+    let [one, two] = &g.gears;
+    let backlash = 1e6 * g.backlash(c) / g.operating_pressure_angle(c).cos();
+    columns! { |case: &&Case|
+        "", ["teeth", "", None] => format!("{} / {}", one.teeth, two.teeth);
+        "", ["normal module", "mm", 4] => 1e3 * one.normal_module;
+        "", ["helix angle", "deg", 3] => one.helix_angle.to_degrees();
+        "", ["centre distance", "mm", 4] => 1e3 * c;
+        "", ["common face width", "mm", 3] => 1e3 * g.face_overlap().1;
+        "", ["transverse contact ratio", "", 3] => g.transverse_contact_ratio(c);
+        "", ["overlap ratio", "", 3] => g.overlap_ratio();
+        "", ["backlash at the operating pitch circle", "um", 1] => backlash;
+        "", ["nominal torque on gear 1", "N m", None] => case.input.torque;
+        "", ["STE, mean", "um", 3] => 1e6 * case.cycle.mean_ste();
+        "", ["STE, peak to peak", "um", 3] => 1e6 * case.cycle.peak_to_peak_ste();
+        "", ["largest flank pressure", "MPa", 0] => 1e-6 * case.cycle.max_pressure();
+        "", ["largest line load at a tip edge", "N/mm", 1] => case.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "", ["face load factor K_Hbeta", "", 3] => case.face_load.face_load_factor();
+        "", ["mean mesh stiffness, tangent", "N/um", 1] => 1e-6 * case.cycle.stiffness().iter().sum::<f64>() / case.cycle.results.len() as f64;
+    }
+}
+
 /// What pair files and tables both show: `cases` at the torques of the curves, and those of the aligned `survey`.
 fn variant_sections(
     variant: &Variant,
@@ -195,7 +243,7 @@ fn variant_sections(
     cases: &[Case],
     survey: &[Case],
 ) -> Result<Vec<Section>> {
-    let mut all = vec![sections::cycle(variant, cases)];
+    let mut all = vec![sections::overview(cases), sections::cycle(variant, cases)];
     all.push(sections::torque(variant, loads, survey));
     if !loads.tilts.is_empty() {
         all.push(sections::misalignment(variant, loads)?);

@@ -2,9 +2,10 @@
 //! range, the modifications as a gear is inspected, pressure and load on the flanks, stress in the roots.
 
 use gearmesh::contact::{ContactResult, ContactSolver, SegmentLoad};
-use gearmesh::friction::{Loss, ohlendorf};
-use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::friction::{FrictionLaw, Loss, ohlendorf};
+use gearmesh::gear::{Flank, GearKind, PairGeometry, ToothProfile};
 use gearmesh::pair::Pair;
+use gearmesh::words::rounded;
 
 use crate::case::{Case, Variant, torque_in_words};
 use crate::error::Result;
@@ -20,7 +21,6 @@ const LEAST_WAY: f64 = 0.1;
 
 const TORQUE: &str = "torque on gear 1 (N m)";
 const MISALIGNMENT: &str = "misalignment (mrad)";
-const SPEED: &str = "speed of gear 1 (rpm)";
 const POSITION: &str = "mesh position";
 
 /// Pressures below this are left white, MPa.
@@ -59,11 +59,95 @@ fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> V
     cases.iter().map(curve).collect()
 }
 
+/// What is looked at first.
+pub fn overview(cases: &[Case]) -> Section {
+    let figures = charts! {
+        "Static transmission error about its mean", [POSITION, "STE less its mean (um)"], Height::Curves(LEAST_ERROR)
+            => over_cycle(cases, |c, r| 1e6 * (r.approach - c.cycle.mean_ste()));
+    };
+    let note = "STE: static transmission error on the line of action at mid-face. At mesh position 0 a tooth pair touches at the pitch \
+                point; so it is drawn in the transverse section.";
+    Section::new("Overview", note, figures)
+}
+
+/// The teeth at mesh position 0 in the transverse section at mid-face, seen along the axes, gear 1 on the left. Origin: the pitch
+/// point; x from the axis of gear 1 to it.
+pub fn teeth_in_mesh(geometry: &PairGeometry) -> Vec<Figure> {
+    let c = geometry.center_distance;
+    let phi = geometry.operating_pressure_angle(c);
+    let path = geometry.path_of_contact(c);
+    let on_path = |xi: f64| (1e3 * xi * phi.sin(), 1e3 * xi * phi.cos());
+    let mut curves: Vec<Curve> = (0..2)
+        .filter_map(|i| {
+            let points = outline(geometry, i)?;
+            Some(Curve::new(format!("gear {}", i + 1), points))
+        })
+        .collect();
+    curves.push(Curve::new(
+        "path of contact",
+        [on_path(path.start), on_path(path.end)],
+    ));
+    charts! { "Teeth in mesh", ["x from the pitch point (mm)", "y (mm)"], Height::ToScale => curves; }
+}
+
+/// Outline of the teeth of gear `i` next to the pitch point, mm, in the frame of [`teeth_in_mesh`]; None where the gear has no
+/// usable profile.
+fn outline(geometry: &PairGeometry, i: usize) -> Option<Vec<(f64, f64)>> {
+    /// Teeth to either side of the one in contact.
+    const TEETH: i32 = 1;
+    const POINTS: usize = 12;
+    let gear = &geometry.gears[i];
+    let profile = ToothProfile::new(gear).ok()?;
+    let pitch_radius = geometry.operating_pitch_radius(i, geometry.center_distance);
+    let half_tooth = profile
+        .point_on_flank(gear.roll_length(pitch_radius))
+        .angle();
+    // The drive flank of gear 1 faces +y and that of gear 2 -y.
+    let middle = if i == 0 { -half_tooth } else { half_tooth };
+    // Gear 2 of an external pair lies on the right.
+    let side = if i == 1 && geometry.ring().is_none() {
+        -1.0
+    } else {
+        1.0
+    };
+    let half: Vec<[f64; 2]> = std::iter::once([gear.root_radius(), profile.half_pitch()])
+        .chain(evenly(0.0, 1.0, POINTS).into_iter().map(|t| {
+            let point = profile.fillet(t);
+            [point.radius(), point.angle()]
+        }))
+        .chain(
+            evenly(
+                profile.form_roll(),
+                gear.roll_length(gear.tip_radius),
+                POINTS,
+            )
+            .into_iter()
+            .map(|roll| {
+                let point = profile.point_on_flank(roll);
+                [point.radius(), point.angle()]
+            }),
+        )
+        .collect();
+    let tooth = |n: i32| {
+        let centre = middle + f64::from(n) * 2.0 * profile.half_pitch();
+        let low = half.iter().map(move |[r, angle]| (*r, centre - angle));
+        let high = half
+            .iter()
+            .rev()
+            .map(move |[r, angle]| (*r, centre + angle));
+        low.chain(high).collect::<Vec<_>>()
+    };
+    let points = (-TEETH..=TEETH).flat_map(tooth);
+    let at = |(r, angle): (f64, f64)| {
+        let x = side * (r * angle.cos() - pitch_radius);
+        (1e3 * x, 1e3 * r * angle.sin())
+    };
+    Some(points.map(at).collect())
+}
+
 pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
     let least_way = LEAST_WAY * 1e3 * variant.geometry().face_overlap().1;
     let mut figures = charts! {
-        "Static transmission error about its mean", [POSITION, "STE less its mean (um)"], Height::Curves(LEAST_ERROR)
-            => over_cycle(cases, |c, r| 1e6 * (r.approach - c.cycle.mean_ste()));
         "Mesh stiffness", [POSITION, "stiffness (N/um)"], Height::FromZero(0.0)
             => over_cycle(cases, |_, r| 1e-6 * r.tangent.force_by_approach);
         "Contact position along the face", [POSITION, "z_c (mm)"], Height::Curves(least_way)
@@ -75,9 +159,9 @@ pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
                 => cases.iter().map(load_share).collect();
         });
     }
-    let note = "STE: on the line of action at mid-face; the table below has the mean. At mesh position 0 a tooth pair touches at the \
-                pitch point; the load share is that of this pair from the start of its contact to the end. Stiffness: tangent, \
-                dF/d(STE), on the line of action. z_c: axial position of the resultant force, from gear 1's z = 0 face.";
+    let note = "Stiffness: tangent, dF/d(STE), on the line of action. z_c: axial position of the resultant force, from gear 1's z = 0 \
+                face. The load share is that of the tooth pair that touches at the pitch point at mesh position 0, from the start of \
+                its contact to the end.";
     Section::new("Over the mesh cycle", note, figures)
 }
 
@@ -124,16 +208,26 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
 }
 
 pub fn torque(variant: &Variant, loads: &Loads, survey: &[Case]) -> Section {
-    let figures = charts! {
+    let mut figures = charts! {
         "Orders of the STE over torque", [TORQUE, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
             => amplitudes(variant, &loads.survey, survey, false);
         "Orders of the STE over torque in dB", [TORQUE, "amplitude (dB re 1 um)"], Height::Curves(1.0)
             => amplitudes(variant, &loads.survey, survey, true);
-        "Harris map", [POSITION, "STE (um)"], Height::Curves(LEAST_ERROR)
-            => over_cycle(survey, |_, r| 1e6 * r.approach);
     };
+    // Overlap evens the curves of helical pairs out: beside their means nothing of them would be seen.
+    let is_helical = variant.geometry().overlap_ratio() > 0.0;
+    figures.extend(match is_helical {
+        true => charts! {
+            "Harris map", [POSITION, "STE less its mean (um)"], Height::Curves(LEAST_ERROR)
+                => over_cycle(survey, |c, r| 1e6 * (r.approach - c.cycle.mean_ste()));
+        },
+        false => charts! {
+            "Harris map", [POSITION, "STE (um)"], Height::Curves(LEAST_ERROR)
+                => over_cycle(survey, |_, r| 1e6 * r.approach);
+        },
+    });
     let note = "Aligned, on the line of action. Orders are those of gear 1: its number of teeth is the mesh frequency, twice that its second \
-                harmonic. Harris map: the whole STE over the mesh cycle for torques up to the largest.";
+                harmonic. Harris map: STE over the mesh cycle for torques up to the largest, of helical pairs less the mean of each torque.";
     Section::new("Over torque", note, figures)
 }
 
@@ -154,31 +248,38 @@ pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section> {
 }
 
 pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads, survey: &[Case]) -> Section {
-    let map = |value: fn(&Loss) -> f64| {
-        let at_torque = |case: &Case| -> Vec<f64> {
-            let speeds = loads.speeds.iter();
-            speeds.map(|rpm| value(&case.loss(pair, *rpm))).collect()
-        };
-        let values = survey.iter().flat_map(at_torque);
-        Map::on_nodes([&loads.speeds, &loads.survey], values, 0.0)
-    };
-    let over_torque = |label, value: &dyn Fn(&Case) -> f64| {
+    let over_torque = |label: String, value: &dyn Fn(&Case) -> f64| {
         let points = survey.iter().map(|case| (case.input.torque, value(case)));
         Curve::new(label, points)
     };
+    let lost = |rpm: f64, value: fn(&Loss) -> f64| {
+        over_torque(format!("{} rpm", rounded(rpm)), &move |case| {
+            value(&case.loss(pair, rpm))
+        })
+    };
+    let percent = |loss: &Loss| 100.0 * (1.0 - loss.efficiency);
+    // A constant coefficient loses the same share at every speed.
+    let speeds: &[f64] = match pair.friction {
+        FrictionLaw::Constant { .. } => &loads.speeds[loads.speeds.len() - 1..],
+        _ => &loads.speeds,
+    };
     let even = ohlendorf(&pair.geometry, pair.geometry.center_distance);
     let figures = charts! {
-        "Power lost", [SPEED, TORQUE, "W"] => map(|loss| loss.power);
-        "Power lost over that transmitted", [SPEED, TORQUE, "%"] => map(|loss| 100.0 * (1.0 - loss.efficiency));
+        "Power lost", [TORQUE, "power lost (W)"], Height::FromZero(0.0)
+            => loads.speeds.iter().map(|rpm| lost(*rpm, |loss| loss.power)).collect();
+        "Power lost over that transmitted", [TORQUE, "power lost (%)"], Height::FromZero(0.0)
+            => speeds.iter().map(|rpm| lost(*rpm, percent)).collect();
         "Loss factor", [TORQUE, "loss factor"], Height::FromZero(0.0) => vec![
-            over_torque("by the load share", &|case| case.loss_factor(solver)),
-            over_torque("Ohlendorf", &|_| even),
+            over_torque("by the load share".into(), &|case| case.loss_factor(solver)),
+            over_torque("Ohlendorf".into(), &|_| even),
         ];
     };
-    let note = "Friction between the teeth alone, with the law of the coefficient that the pair file chooses, the mean over the mesh \
-                cycle; aligned. The loss factor is the share of the power that is lost at a coefficient of 1: by the share of the load \
-                as it is, and with load shared evenly (Ohlendorf).";
-    Section::new("Losses over speed and torque", note, figures)
+    let note = format!(
+        "Friction between the teeth alone, the mean over the mesh cycle, aligned. Coefficient of friction: {}. The loss factor is the share \
+         of the power that is lost at a coefficient of 1: by the share of the load as it is, and with load shared evenly (Ohlendorf).",
+        pair.friction
+    );
+    Section::new("Losses over torque", note, figures)
 }
 
 /// Maps of both gears for each of `cases` on one common scale, titled `what` it is, gear and `load` of the case. Every loaded
@@ -205,44 +306,71 @@ fn patterns(
         let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
         let mut ends = [path.start, path.end].map(|xi| diameter(geometry.roll_at(i, c, xi)));
         ends.sort_by(f64::total_cmp);
-        let margin = 0.04 * (ends[1] - ends[0]);
+        let margin = 0.06 * (ends[1] - ends[0]);
         let z = [gear.face_offset, gear.face_offset + gear.face_width];
         let ends = [z.map(|z| 1e3 * z), [ends[0] - margin, ends[1] + margin]];
         let title = format!("{what} on gear {} at {}", i + 1, load(case));
-        maps.push((title, ends, seen.map(patch).collect::<Vec<_>>()));
+        let end_names = match gear.kind {
+            GearKind::External => ["root", "tip"],
+            GearKind::Ring => ["tip", "root"],
+        };
+        maps.push((title, ends, end_names, seen.map(patch).collect::<Vec<_>>()));
     }
-    let patches = maps.iter().flat_map(|(_, _, patches)| patches);
+    let patches = maps.iter().flat_map(|(.., patches)| patches);
     let top = patches.filter_map(|p| p.value).fold(1.0, f64::max);
     let labels = ["z (mm)", "diameter (mm)", unit];
-    let figure = |(title, ends, patches)| charts! { title, labels => Map { ends, patches, top }; };
+    let figure = |(title, ends, end_names, patches)| charts! { title, labels => Map { ends, end_names, patches, top }; };
     maps.into_iter().flat_map(figure).collect()
 }
 
-/// What the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the contact lines.
+/// Title and unit of the maps of pressure.
+const PATTERN: [&str; 2] = ["Contact pattern", "pressure (MPa)"];
+
+pub const PATTERN_NOTE: &str = "Contact pattern: largest pressure that each point of the flank sees over the mesh cycle. Blue: contact reaches the tip \
+    edge of this gear, or of its mate where it meets the root; at a sharp edge pressure has no bound, so it is not on the scale. z: \
+    from gear 1's z = 0 face.";
+
+/// Contact pattern of both gears for each of `cases`, titled by the `load` of the case.
+pub fn contact_patterns(
+    geometry: &PairGeometry,
+    cases: &[Case],
+    load: impl Fn(&Case) -> String,
+) -> Vec<Figure> {
+    let pressure = |s: &SegmentLoad| s.edge.is_none().then_some(1e-6 * s.pressure);
+    patterns(geometry, cases, PATTERN, load, pressure)
+}
+
+/// What the flanks carry: `cases` aligned at other torques than the nominal one, `tilted` at the limits of the misalignment, `nominal` for load distribution and contact
+/// lines.
 pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> Vec<Section> {
     let geometry = &pair.geometry;
     let cos_beta_b = geometry.base_helix_angle().cos();
     let torque = |case: &Case| torque_in_words(case.input.torque);
     let tilt = |case: &Case| format!("{:+.2} mrad", 1e3 * case.input.misalignment);
-    let pressure = |s: &SegmentLoad| s.edge.is_none().then_some(1e-6 * s.pressure);
     let line_load = |s: &SegmentLoad| Some(1e-3 * s.line_load(cos_beta_b));
-    let pattern = ["Contact pattern", "pressure (MPa)"];
     let distribution = ["Load distribution", "line load (N/mm)"];
 
-    let note = "Largest pressure that each point of the flank sees over the mesh cycle. Blue: contact reaches the tip edge of this gear, or \
-                of its mate where it meets the root; at a sharp edge pressure has no bound, so it is not on the scale. z: from gear 1's \
-                z = 0 face.";
-    let figures = patterns(geometry, cases, pattern, torque, pressure);
-    let mut sections = vec![Section::new("Contact pattern", note, figures)];
+    let mut sections = Vec::new();
+    if !cases.is_empty() {
+        let heading = "Contact pattern at other torques";
+        let figures = contact_patterns(geometry, cases, torque);
+        sections.push(Section::new(heading, PATTERN_NOTE, figures));
+    }
     if !tilted.is_empty() {
         let heading = "Contact pattern under misalignment";
         let note =
             "At the nominal torque and the limits of the misalignment in the plane of action.";
-        let figures = patterns(geometry, tilted, pattern, tilt, pressure);
+        let figures = contact_patterns(geometry, tilted, tilt);
         sections.push(Section::new(heading, note, figures));
     }
     let note = "Largest normal force per length of contact line that each point of the flank carries over the mesh cycle.";
-    let figures = patterns(geometry, cases, distribution, torque, line_load);
+    let figures = patterns(
+        geometry,
+        std::slice::from_ref(nominal),
+        distribution,
+        torque,
+        line_load,
+    );
     sections.push(Section::new("Load distribution", note, figures));
     let note = format!(
         "At {} and four positions of the mesh; one curve for each tooth pair in contact, up to where contact reaches a tip edge.",

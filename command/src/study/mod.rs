@@ -186,7 +186,8 @@ impl Study {
         let text = all.text();
         let figures = self.output.join("figures");
         output::make_folder("--output", &figures)?;
-        all.page(&text).write(&page, Some(&figures))?;
+        let origin = crate::page::origin(&self.pair)?;
+        all.page(&text, origin).write(&page, Some(&figures))?;
         output::print(&text)
     }
 

@@ -147,7 +147,7 @@ impl Summary<'_> {
         text + CORRELATIONS
     }
 
-    pub fn page(&self, text: &str) -> Page {
+    pub fn page(&self, text: &str, origin: String) -> Page {
         let note = "Drawn fields are drawn evenly from their interval; 5 % and 95 %: a twentieth of the samples lies below, above.";
         let mut sections = vec![Section::new("In numbers", note, vec![]).with_text(text.into())];
         if self.best.is_some() {
@@ -165,6 +165,7 @@ impl Summary<'_> {
         }
         Page {
             title: format!("Study: {}", self.pair),
+            origin,
             sections,
         }
     }

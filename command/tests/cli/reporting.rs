@@ -18,6 +18,19 @@ fn the_report_is_one_file_with_the_torques_asked_for_that_asks_for_nothing_from_
     assert!(charts >= 8);
     contains!(html, "Power lost over that transmitted", "loss factor");
     contains!(html, "prefers-color-scheme:dark");
+    // What is looked at first stands first, with what made it.
+    let places = [
+        "SHA-256",
+        "nominal torque on gear 1",
+        ">Teeth in mesh<",
+        ">Contact pattern on gear 1 at 100 N m<",
+        "<h2 id=\"in-numbers\"",
+        "<h2 id=\"pair\"",
+    ];
+    let places = places.map(|text| html.find(text).unwrap_or_else(|| panic!("{text}")));
+    assert!(places.is_sorted(), "{places:?}");
+    contains!(html, "\ntip\n", "\nroot\n");
+    assert!(html.len() < 3 << 20, "{} bytes", html.len());
     for reference in ["src=", "url(", "@import"] {
         assert!(!html.contains(reference), "{reference}");
     }

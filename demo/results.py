@@ -59,7 +59,10 @@ def compute(root: Path, out: Path, model: dict) -> Results:
     for kind, pair in pairs.items():
         say(f"tables and unit of {pair.stem}")
         units[kind] = gearmesh.build(pair, out / f"{pair.stem}.fmu", **GRID[kind], **model)
-    say("static solves")
+    say("report and static solves")
+    report = out / "report.html"
+    options = [f"--{name.replace('_', '-')}={value}" for name, value in model.items() if value is not None]
+    gearmesh.command.run("report", pairs["modified"], "--output", report, "--figures", out / "report", *options)
     static = {kind: dict(zip(TORQUES, gearmesh.solve_all(pair, TORQUES, **model))) for kind, pair in pairs.items()}
     with ProcessPoolExecutor() as pool:
         try:

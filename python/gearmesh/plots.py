@@ -92,7 +92,7 @@ def plot_cycle(cycle: MeshCycle, axes: Axes | None = None, **line: Any) -> Axes:
 
 
 def plot_run_up(run: RunUp, signal: str = "transmission_error_um", axes: Axes | None = None, window_s: float = 0.01) -> Axes:
-    """Swing of a signal over speed, up and down.
+    """Half of the peak-to-peak of a signal over speed, up and down.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def plot_run_up(run: RunUp, signal: str = "transmission_error_um", axes: Axes | 
     for history, name, color in ((run.up, "run-up", BLUE), (run.down, "run-down", RED)):
         axes.plot(*swing(history, signal, window_s), color=color, label=name)
     axes.axvline(run.resonance_rpm, color=GREY, lw=0.8, ls="--", label="resonance, linear")
-    axes.set(xlabel="speed (rpm)", ylabel=f"swing of {_words(signal)}")
+    axes.set(xlabel="speed (rpm)", ylabel=f"{_words(signal)}, half of peak to peak")
     axes.legend()
     return axes
 

@@ -88,6 +88,8 @@ demo:
 report: examples
 	$(CARGO) run --release --package gearmesh-validation -- --python $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg
+	$(VENV)/bin/python -m demo.frames docs/frames-ring-gear1.svg gear1
+	$(VENV)/bin/python -m demo.frames docs/frames-ring-gear2.svg gear2
 	$(GEARMESH) pack --tables resources/tables/palermo2013.json --set coupling=held -o target/hosts.fmu
 	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --data docs/data/hosts
 	$(GEARMESH) pack --pair resources/pairs/palermo2013.json -o target/constant.fmu

@@ -1,9 +1,10 @@
-"""Draws the frames of the FMU: `python -m demo.frames OUT.svg`."""
+"""Draws the frames of the FMU: `python -m demo.frames OUT.svg [gear1|gear2]`, with the name of the ring of an internal pair."""
 
 from __future__ import annotations
 
 import math
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
@@ -16,31 +17,47 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 GEAR1, GEAR2, INK, FORCE, PLANE = "#2f6f9f", "#8a6d3b", "#222222", "#b3261e", "#4d8b4d"
-# The paper's pair, transverse section, in mm.
-TEETH, MODULE, PRESSURE_ANGLE = 20, 4.1052, math.radians(20.4823)
-PITCH, BASE = 41.052, 41.052 * math.cos(PRESSURE_ANGLE)
-TIP, ROOT, DISTANCE = 45.1575, 36.0521, 82.104
+# Transverse section of the paper's pair, and of its gear 1 in a ring of 36 teeth, in mm.
+MODULE, PRESSURE_ANGLE = 4.1052, math.radians(20.4823)
+TEETH, RING_TEETH = 20, 36
+BORE = 15.0
 
 
-def outline(center: float, first_tooth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Closed outline of a gear on the x axis at `center`, a tooth centre at the angle `first_tooth`."""
+@dataclass(frozen=True)
+class Outline:
+    """Closed outline of teeth (ring: spaces) about the point `center` of the x axis, one centred at the angle `first`."""
 
-    def involute(angle: float) -> float:
-        return math.tan(angle) - angle
+    teeth: int
+    center: float
+    first: float
+    dedendum: float
+    addendum: float
 
-    half_pitch_tooth = math.pi / (2 * TEETH)
-    radii = np.linspace(max(BASE, ROOT) * 1.0001, TIP, 12)
-    half = [half_pitch_tooth + involute(PRESSURE_ANGLE) - involute(math.acos(BASE / r)) for r in radii]
-    points = []
-    for tooth in range(TEETH):
-        middle = first_tooth + 2 * math.pi * tooth / TEETH
-        points += [(ROOT, middle - half[0] * 1.06)]
-        points += [(r, middle - h) for r, h in zip(radii, half)]
-        points += [(r, middle + h) for r, h in zip(radii[::-1], half[::-1])]
-        points += [(ROOT, middle + half[0] * 1.06)]
-    points.append(points[0])
-    r, angle = np.array(points).T
-    return center + r * np.cos(angle), r * np.sin(angle)
+    @property
+    def pitch(self) -> float:
+        """Pitch radius."""
+        return 0.5 * self.teeth * MODULE
+
+    def points(self) -> tuple[np.ndarray, np.ndarray]:
+        """x and y."""
+
+        def involute(angle: float) -> float:
+            return math.tan(angle) - angle
+
+        base, inner = self.pitch * math.cos(PRESSURE_ANGLE), self.pitch - self.dedendum
+        radii = np.linspace(max(base * 1.0001, inner), self.pitch + self.addendum, 12)
+        quarter = math.pi / (2 * self.teeth)
+        half = [quarter + involute(PRESSURE_ANGLE) - involute(math.acos(base / r)) for r in radii]
+        points = []
+        for tooth in range(self.teeth):
+            middle = self.first + 2 * math.pi * tooth / self.teeth
+            points += [(inner, middle - half[0] * 1.06)]
+            points += [(r, middle - h) for r, h in zip(radii, half)]
+            points += [(r, middle + h) for r, h in zip(radii[::-1], half[::-1])]
+            points += [(inner, middle + half[0] * 1.06)]
+        points.append(points[0])
+        r, angle = np.array(points).T
+        return self.center + r * np.cos(angle), r * np.sin(angle)
 
 
 def arrow(axes, start, end, color, width=1.8) -> None:
@@ -60,48 +77,101 @@ def turn(axes, center, radius, first_deg, last_deg, color) -> None:
     arrow(axes, (x[-3], y[-3]), (x[-1], y[-1]), color)
 
 
-def transverse(axes) -> None:
-    """Seen against +z, the z axis coming out of the paper."""
-    quarter = math.pi / (2 * TEETH)  # so that the flanks touch at the pitch point
-    for center, tooth, color in ((0.0, -quarter, GEAR1), (DISTANCE, math.pi - quarter, GEAR2)):
-        axes.fill(*outline(center, tooth), facecolor=color, alpha=0.18, edgecolor=color, lw=1.0)
-        axes.add_patch(plt.Circle((center, 0), PITCH, fill=False, color=color, lw=0.8, ls="-."))
-        axes.add_patch(plt.Circle((center, 0), 15.0, facecolor="white", edgecolor=color, lw=1.0))
-        axes.add_patch(plt.Circle((center, 0), 1.4, fill=False, color=INK, lw=1.2))
-        axes.plot(center, 0, ".", color=INK, ms=3)
-        arrow(axes, (center, 0), (center + 13, 0), INK)
-        arrow(axes, (center, 0), (center, 13), INK)
-        axes.text(center + 11.5, -4.5, "x", color=INK, fontsize=11, style="italic")
-        axes.text(center - 4.5, 11, "y", color=INK, fontsize=11, style="italic")
-        axes.text(center - 5.0, -5.5, "z", color=INK, fontsize=11, style="italic")
-    turn(axes, 0.0, 24.0, 40, 100, GEAR1)
-    axes.text(-4.5, 27, "+ spin, angles[3]", color=GEAR1, fontsize=10, ha="right")
-    turn(axes, DISTANCE, 24.0, 40, 100, GEAR2)
-    axes.text(DISTANCE + 19, 21, "+ spin", color=GEAR2, fontsize=10)
-    axes.text(0, -30, "gear1\norigin at (0, 0, 0)", color=GEAR1, ha="center", va="center", fontsize=10)
-    axes.text(DISTANCE, -30, "gear2\norigin at (C, 0, 0)", color=GEAR2, ha="center", va="center", fontsize=10)
+def axes_of(axes, center: float) -> None:
+    """The frame of a gear at `center`, z towards the reader."""
+    axes.add_patch(plt.Circle((center, 0), 1.4, fill=False, color=INK, lw=1.2))
+    axes.plot(center, 0, ".", color=INK, ms=3)
+    arrow(axes, (center, 0), (center + 13, 0), INK)
+    arrow(axes, (center, 0), (center, 13), INK)
+    axes.text(center + 11.5, -4.5, "x", color=INK, fontsize=11, style="italic")
+    axes.text(center - 4.5, 11, "y", color=INK, fontsize=11, style="italic")
+    axes.text(center - 5.0, -5.5, "z", color=INK, fontsize=11, style="italic")
 
-    direction = np.array([math.sin(PRESSURE_ANGLE), math.cos(PRESSURE_ANGLE)])
-    pitch_point = np.array([PITCH, 0.0])
+
+def pitch_circle(axes, gear: Outline, color: str) -> None:
+    axes.add_patch(plt.Circle((gear.center, 0), gear.pitch, fill=False, color=color, lw=0.8, ls="-."))
+
+
+def solid(axes, gear: Outline, color: str) -> None:
+    """An external gear with its bore."""
+    axes.fill(*gear.points(), facecolor=color, alpha=0.18, edgecolor=color, lw=1.0)
+    axes.add_patch(plt.Circle((gear.center, 0), BORE, facecolor="white", edgecolor=color, lw=1.0))
+    pitch_circle(axes, gear, color)
+
+
+def loads(axes, pitch_point: np.ndarray, direction: np.ndarray, down: float) -> None:
+    """Line of action and the forces on both gears; `direction` is that of the force on gear 2."""
     low, high = pitch_point - 34 * direction, pitch_point + 52 * direction
     axes.plot([low[0], high[0]], [low[1], high[1]], color=PLANE, lw=1.1, ls="--")
-    axes.text(*(low + (2.0, -3.5)), "line of action", color=PLANE, fontsize=10)
+    axes.text(*((low if low[1] < high[1] else high) + (2.0, -3.5)), "line of action", color=PLANE, fontsize=10)
     axes.plot(*pitch_point, "o", color=FORCE, ms=4)
     arrow(axes, pitch_point, pitch_point + 30 * direction, FORCE, 2.4)
     arrow(axes, pitch_point, pitch_point - 24 * direction, FORCE, 2.4)
-    axes.text(*(pitch_point + 31 * direction + (2.0, -1)), "gear2.force", color=FORCE, fontsize=10.5)
-    axes.text(*(pitch_point - 24 * direction + (-2.0, 0)), "gear1.force", color=FORCE, fontsize=10.5, ha="right")
+    on_gear2, on_gear1 = pitch_point + 31 * direction, pitch_point - 24 * direction
+    if direction[1] > 0.0:
+        axes.text(*(on_gear2 + (2.0, -1)), "gear2.force", color=FORCE, fontsize=10.5)
+        axes.text(*(on_gear1 + (-2.0, 0)), "gear1.force", color=FORCE, fontsize=10.5, ha="right")
+    else:
+        axes.text(*(on_gear2 + (-2.0, 0)), "gear2.force", color=FORCE, fontsize=10.5, ha="right")
+        axes.text(*(on_gear1 + (2.0, 2.0)), "gear1.force", color=FORCE, fontsize=10.5)
     axes.annotate(
         "contact.point",
         xy=pitch_point,
-        xytext=(PITCH + 9, -45),
+        xytext=(pitch_point[0] + 9, down),
         color=FORCE,
         fontsize=10,
         arrowprops={"arrowstyle": "-", "color": FORCE, "lw": 0.7},
     )
-    axes.set_title("Transverse plane, seen against +z (drive flank loaded)", fontsize=11)
-    axes.set_xlim(-50, DISTANCE + 50)
+
+
+def external(axes) -> None:
+    """Seen against +z, the z axis coming out of the paper."""
+    quarter = math.pi / (2 * TEETH)  # so that the flanks touch at the pitch point
+    distance = TEETH * MODULE
+    for center, tooth, color in ((0.0, -quarter, GEAR1), (distance, math.pi - quarter, GEAR2)):
+        solid(axes, Outline(TEETH, center, tooth, 1.25 * MODULE * 0.9744, MODULE), color)
+        axes_of(axes, center)
+    turn(axes, 0.0, 24.0, 40, 100, GEAR1)
+    axes.text(-4.5, 27, "+ spin, angles[3]", color=GEAR1, fontsize=10, ha="right")
+    turn(axes, distance, 24.0, 40, 100, GEAR2)
+    axes.text(distance + 19, 21, "+ spin", color=GEAR2, fontsize=10)
+    axes.text(0, -30, "gear1\norigin at (0, 0, 0)", color=GEAR1, ha="center", va="center", fontsize=10)
+    axes.text(distance, -30, "gear2\norigin at (C, 0, 0)", color=GEAR2, ha="center", va="center", fontsize=10)
+    loads(axes, np.array([0.5 * distance, 0.0]), np.array([math.sin(PRESSURE_ANGLE), math.cos(PRESSURE_ANGLE)]), -45)
+    axes.set_xlim(-50, distance + 50)
     axes.set_ylim(-52, 54)
+
+
+def internal(axes, ring_is_gear1: bool) -> None:
+    """The same of a pinion in a ring: the mesh lies away from the axis of the ring, beyond that of the pinion."""
+    distance = 0.5 * (RING_TEETH - TEETH) * MODULE
+    names = [("gear1", "origin at (0, 0, 0)", 0.0, GEAR1), ("gear2", "origin at (C, 0, 0)", distance, GEAR2)]
+    (ring, ring_origin, ring_at, ring_color), (pinion, pinion_origin, pinion_at, color) = names if ring_is_gear1 else names[::-1]
+    side = 1.0 if ring_is_gear1 else -1.0  # of the mesh, from either axis
+    first = 0.0 if ring_is_gear1 else math.pi
+    quarters = [side * math.pi / (2 * teeth) for teeth in (TEETH, RING_TEETH)]
+    gear = Outline(TEETH, pinion_at, first + quarters[0], 1.25 * MODULE * 0.9744, MODULE)
+    spaces = Outline(RING_TEETH, ring_at, first + quarters[1], MODULE, 1.25 * MODULE)
+    rim = spaces.pitch + 16
+    axes.add_patch(plt.Circle((ring_at, 0), rim, facecolor=ring_color, alpha=0.18))
+    axes.add_patch(plt.Circle((ring_at, 0), rim, fill=False, edgecolor=ring_color, lw=1.0))
+    axes.fill(*spaces.points(), facecolor="white", edgecolor=ring_color, lw=1.0)
+    pitch_circle(axes, spaces, ring_color)
+    solid(axes, gear, color)
+    axes_of(axes, 0.0)
+    axes_of(axes, distance)
+    turn(axes, pinion_at, 24.0, 60, 120, color)
+    axes.text(pinion_at, 28, "+ spin, angles[3]", color=color, fontsize=10, ha="center")
+    start = 0 if side < 0 else 180
+    turn(axes, ring_at, 22.0, start - 30, start + 30, ring_color)
+    axes.text(ring_at - side * 23, 12, "+ spin", color=ring_color, fontsize=10, ha="left" if side < 0 else "right")
+    axes.text(pinion_at + side * 3, -28, f"{pinion}\n{pinion_origin}", color=color, ha="center", va="center", fontsize=10)
+    axes.text(ring_at - side * 20, -38, f"{ring}, the ring\n{ring_origin}", color=ring_color, ha="center", va="center", fontsize=10)
+    pitch_point = np.array([pinion_at + side * gear.pitch, 0.0])
+    loads(axes, pitch_point, np.array([-math.sin(PRESSURE_ANGLE), side * math.cos(PRESSURE_ANGLE)]), 50)
+    edge, far = pinion_at + side * 70, pinion_at - side * 94
+    axes.set_xlim(min(edge, far), max(edge, far))
+    axes.set_ylim(-56, 62)
 
 
 def side(axes) -> None:
@@ -133,10 +203,14 @@ def side(axes) -> None:
     axes.set_ylim(-52, 62)
 
 
-def main(path: Path) -> None:
-    """Writes the drawing to `path`."""
+def main(path: Path, ring: str | None = None) -> None:
+    """Writes the drawing of an external pair, or of an internal one with this `ring`, to `path`."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(12.5, 5.6), width_ratios=[1.45, 1])
-    transverse(left)
+    if ring is None:
+        external(left)
+    else:
+        internal(left, ring == "gear1")
+    left.set_title("Transverse plane, seen against +z (drive flank loaded)", fontsize=11)
     side(right)
     for axes in (left, right):
         axes.set_aspect("equal")
@@ -146,4 +220,4 @@ def main(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), *sys.argv[2:])

@@ -13,7 +13,7 @@ use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{
     Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, index, index_by_name,
 };
-use gearmesh::gear::Flank;
+use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::table::Table;
 use gearmesh::words::{fixed, rounded, significant};
 use roxmltree::{Document, Node};
@@ -22,7 +22,12 @@ use roxmltree::{Document, Node};
 pub(super) const TEMPLATE: &str = include_str!("../../../modelDescription.xml");
 const LICENCE: &str = "This FMU is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
      third-party.txt has the licences of the crates that its library links.\n";
+/// Drawings of the frames (demo/frames.py): of an external pair, and of an internal one with gear 1 or gear 2 as the ring.
 const FRAMES: &str = include_str!("../../../docs/frames.svg");
+const FRAMES_OF_RINGS: [&str; 2] = [
+    include_str!("../../../docs/frames-ring-gear1.svg"),
+    include_str!("../../../docs/frames-ring-gear2.svg"),
+];
 const PICTURE: &[u8] = include_bytes!("../../../resources/documentation/model.png");
 const MIT: &[u8] = include_bytes!("../../../LICENSE-MIT");
 const APACHE: &[u8] = include_bytes!("../../../LICENSE-APACHE");
@@ -123,9 +128,10 @@ impl Description<'_> {
     }
 }
 
-/// The drawing of the frames, without its XML declaration.
-fn frames() -> &'static str {
-    &FRAMES[FRAMES.find("<svg").unwrap_or(0)..]
+/// The drawing of the frames of a pair, without its XML declaration.
+fn frames(geometry: &PairGeometry) -> &'static str {
+    let drawing = geometry.ring().map_or(FRAMES, |ring| FRAMES_OF_RINGS[ring]);
+    &drawing[drawing.find("<svg").unwrap_or(0)..]
 }
 
 /// Text inside an XML attribute or element.
@@ -277,6 +283,18 @@ mod tests {
         let approaches: Vec<f64> = approaches.collect();
         let [least, largest] = [f64::min, f64::max].map(|f| approaches.iter().copied().reduce(f));
         largest.unwrap() - least.unwrap()
+    }
+
+    #[test]
+    fn an_internal_pair_is_drawn_with_its_own_gear_as_the_ring() {
+        let external = shipped_tables("fzg-c").geometry;
+        assert!(!frames(&external).contains("the ring"));
+        let mut internal = shipped_tables("planet-ring-27-84").geometry;
+        for ring in ["gear2, the ring", "gear1, the ring"] {
+            let drawing = frames(&internal);
+            assert!(drawing.starts_with("<svg") && drawing.contains(ring));
+            internal.gears.swap(0, 1);
+        }
     }
 
     #[test]

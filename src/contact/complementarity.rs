@@ -25,6 +25,8 @@ pub struct Problem<'a> {
     pub target: Target,
     /// Stiffness of the elastic foundation that gives the forces to start from, N/m per m of contact line.
     pub foundation: f64,
+    /// Length of a point, m, from which on its pressure is judged.
+    pub shortest: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -275,7 +277,9 @@ impl Problem<'_> {
 
     /// The largest pressure under `loads` that no flank carries.
     fn overload(&self, loads: &[PointLoads]) -> Option<Failure> {
-        let pressures = loads.iter().zip(self.local).filter_map(|(loads, local)| {
+        let lines = loads.iter().zip(self.local);
+        let lines = lines.filter(|(_, local)| local.length() >= self.shortest);
+        let pressures = lines.filter_map(|(loads, local)| {
             let largest = loads.forces.into_iter().fold(0.0, f64::max);
             local.overload(largest / local.length())
         });

@@ -33,6 +33,9 @@ pub struct PositionProblem {
     pub(super) reach: Option<f64>,
     /// Stiffness for starting values, N/m per m of contact line.
     foundation: f64,
+    /// Length of a point of a segment that is half as long as a station, m. The end of contact cuts shorter ones off. There the
+    /// line load rises without limit as the piece gets shorter, and its pressure says nothing.
+    shortest: f64,
 }
 
 /// Laws along one segment.
@@ -173,6 +176,8 @@ impl PositionProblem {
             center_distance_offset: lines.center_distance_offset,
             reach: setup.settings.tip_corner_contact.then_some(setup.reach),
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
+            shortest: 0.5 * numbers.face[1]
+                / (setup.settings.stations as f64 * numbers.cos_beta_b * POINTS as f64),
         };
         let law = |(i, c): (_, &Candidate)| problem.law(c, &c.profile, problem.lengths(i));
         problem.local = problem.candidates.iter().enumerate().map(law).collect();
@@ -313,6 +318,7 @@ impl PositionProblem {
                 Prescribed::Approach(approach) => Target::Approach(approach),
             },
             foundation: self.foundation,
+            shortest: self.shortest,
         };
         let failed = |failure| self.unsolved(prescribed, misalignment, failure);
         let mut solution = problem.solve(start).map_err(failed)?;
@@ -333,8 +339,13 @@ impl PositionProblem {
             false => 0.0,
         };
         let (moment, tangent) = self.moment(&solution);
-        let edge_loads = self.edge_loads(&solution, &gap);
-        let pressures = self.pressures(&solution.loads, &edge_loads);
+        let mut edge_loads = self.edge_loads(&solution, &gap);
+        let mut pressures = self.pressures(&solution.loads, &edge_loads);
+        for (i, law) in self.local.iter().enumerate() {
+            if law.length() < self.shortest {
+                (edge_loads[i], pressures[i]) = (None, 0.0);
+            }
+        }
         let mut load_share: Vec<(i32, f64)> = Vec::new();
         let mut segments = Vec::with_capacity(gap.len());
         for (i, candidate) in self.candidates.iter().enumerate() {

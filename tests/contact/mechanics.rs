@@ -131,6 +131,42 @@ fn ste_is_continuous_over_the_mesh_position() {
 }
 
 #[test]
+fn a_pressure_is_that_of_a_line_however_short_the_piece_that_the_end_of_the_path_cuts_off() {
+    let gear = |teeth: u32, shift: f64| json!({ "teeth": teeth, "profile_shift": shift, "face_width_mm": 4.0 });
+    let file = json!({
+        "name": "small", "meshing": "external", "normal_module_mm": 0.3, "normal_pressure_angle_deg": 20.0,
+        "helix_angle_deg": 10.0, "gear1": gear(12, 0.3), "gear2": gear(40, 0.0),
+        "operating": {
+            "nominal_torque_nm": 0.3, "maximum_torque_nm": 0.45,
+            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [0.0, 0.0],
+        },
+    });
+    let pair = pair::from_json(&file.to_string()).unwrap();
+    let settings = ContactSettings {
+        tip_corner_contact: false,
+        ..ContactSettings::default()
+    };
+    let solver = coarse_solver(&pair, settings);
+    let at = |tau: f64| {
+        let problem = solver.position(Flank::Drive, tau, 0.0).unwrap();
+        problem.solve_torque(0.3, 0.0, None).unwrap()
+    };
+    // Contact lines come in at the first place of the passage and go out at the last; within it they are longer and longer.
+    let [first, last] = solver.passage(0.0).unwrap();
+    let whole = [at(first + 0.1), at(last - 0.1)];
+    for beyond in (-9..-1).map(|power| 10.0f64.powi(power)) {
+        for (place, whole) in [first + beyond, last - beyond].into_iter().zip(&whole) {
+            let result = at(place);
+            let ratio = result.max_pressure / whole.max_pressure;
+            assert!((0.3..1.5).contains(&ratio), "{beyond}: {ratio}");
+            let edge = |result: &ContactResult| result.edge_load.map_or(0.0, |edge| edge.line_load);
+            let mean = 0.3 / pair.geometry.gears[0].base_radius() / 4e-3;
+            assert!(edge(&result) < 5.0 * mean, "{beyond}: {}", edge(&result));
+        }
+    }
+}
+
+#[test]
 fn unusable_numbers_are_refused_by_name() {
     let (pair, solver) = shipped().next().unwrap();
     let position = |tau, offset| solver.position(Flank::Drive, tau, offset).err();

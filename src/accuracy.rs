@@ -3,6 +3,15 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
+/// Part of its range by which a coordinate counts as on a limit that it lies beyond: poses reach limits within rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether `x` lies beyond the ends of `range` (same unit) by more than rounding; NaN does.
+pub fn is_beyond([low, high]: [f64; 2], x: f64) -> bool {
+    let rounding = ROUNDING * (high - low);
+    !(low - rounding..=high + rounding).contains(&x)
+}
+
 /// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

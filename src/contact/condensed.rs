@@ -18,7 +18,7 @@ use super::candidates::{Candidate, ContactLines};
 use super::influence::Influence;
 use super::root_stress::CondensedRoots;
 use super::setup::ContactSetup;
-use crate::accuracy::InterpolationError;
+use crate::accuracy::{InterpolationError, is_beyond};
 use crate::sealed;
 use crate::vector::Lanes;
 
@@ -138,7 +138,7 @@ impl CondensedFlank {
     /// Whether the nodes hold this centre distance.
     pub fn holds(&self, offset: f64) -> bool {
         match self.offsets[..] {
-            [low, .., high] => (low..=high).contains(&offset),
+            [low, .., high] => !is_beyond([low, high], offset),
             _ => true,
         }
     }

@@ -227,6 +227,8 @@ impl<T: Scalar> Solution<T> {
         let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + phase.tooth_angle) * k.per_tooth_angle;
 
         let mut out_of_range = mesh.leaving;
+        // Either flank sees the misalignment with its own sign, and a table may cover more of one sign than of the other.
+        let mut beyond_table = [false; 2];
         let zero = T::from(0.0);
         let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
@@ -260,7 +262,7 @@ impl<T: Scalar> Solution<T> {
                 &mut workspace.0[i],
                 &mut extras[i],
             )?;
-            out_of_range |= response.out_of_range;
+            beyond_table[i] = response.out_of_range;
             // The potential is U = (engagement) W.
             let elastic = response.gradient[0] * mesh.factor;
             if elastic.re() <= 0.0 {
@@ -297,6 +299,9 @@ impl<T: Scalar> Solution<T> {
 
         let mut on_2 = pose.map.wrench(&slopes);
         let (index, flank) = carrying_flank(&flanks, el.reference_flank);
+        // A flank that carries nothing says nothing about the loads.
+        let counts = |i: usize| i == index || flanks[i].elastic.re() > 0.0;
+        out_of_range |= (0..2).any(|i| beyond_table[i] && counts(i));
         let (mut friction_power, mut friction_coefficient, mut loss_factor) = (zero, zero, zero);
         if let Some(friction) = &el.friction {
             for (i, load) in flanks.iter().enumerate() {

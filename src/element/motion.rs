@@ -147,7 +147,8 @@ pub struct Outputs<T: Scalar = f64> {
     pub root_stress: [T; 2],
     /// Flank of gear 1 that carries (the larger force): +1 drive, -1 coast, 0 none.
     pub flank: i32,
-    /// An operating condition lies outside the table, or the gears are on their way out of mesh.
+    /// An operating condition of a flank that carries (of the reference flank if none does) lies outside the table, or the gears
+    /// are on their way out of mesh.
     pub out_of_range: bool,
 }
 

@@ -7,6 +7,7 @@ use super::engagement::{face_overlap, is_shifted, radial_share};
 use super::law::{Law, Response, Source, Workspace};
 use super::motion::{ElementError, Inputs, Outputs, PhaseOffset};
 use super::parameters::PhaseReference;
+use crate::accuracy::is_beyond;
 use crate::contact::Warm;
 use crate::words::fixed;
 
@@ -21,7 +22,7 @@ fn mm(length: f64) -> String {
 }
 
 fn is_outside(range: Option<[f64; 2]>, value: f64) -> bool {
-    range.is_some_and(|[low, high]| value < low || value > high)
+    range.is_some_and(|range| is_beyond(range, value))
 }
 
 impl Element {

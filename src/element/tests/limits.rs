@@ -3,7 +3,9 @@
 use super::*;
 use crate::element::engagement::radial_share;
 use crate::gear::samples::{gear, thinned};
+use crate::gear::teeth::Counts;
 use crate::gear::{GearKind, PairGeometry};
+use crate::table::{Potential, Query};
 use std::f64::consts::FRAC_PI_2;
 
 #[test]
@@ -178,6 +180,45 @@ fn a_gear_that_takes_the_common_face_along_is_out_of_range() {
             // A narrower face within the other one keeps its width, not its place.
             let widest = pair.gears.each_ref().map(|gear| gear.face_width);
             assert!(moved(0.06 + (widest[0] - widest[1]).abs() / width));
+        }
+    }
+}
+
+/// The law of one flank that covers misalignments in this range alone.
+struct Covered(Smooth, [f64; 2]);
+
+impl Elasticity for Covered {
+    fn evaluate(&self, q: &Query, counts: Counts, hessian: bool) -> Result<Potential, String> {
+        let [low, high] = self.1;
+        let mut w = self.0.evaluate(q, counts, hessian)?;
+        w.out_of_range = !(low..=high).contains(&q.misalignment);
+        Ok(w)
+    }
+}
+
+#[test]
+fn only_a_flank_that_carries_says_whether_a_pose_is_out_of_range() {
+    let pair = paper_pair(1.0);
+    let range = [-1e-3, 3e-3];
+    let law = || Arc::new(Covered(DRIVE, range));
+    for formulation in FORMULATIONS {
+        let parameters = Parameters {
+            stiffness_model: StiffnessModel::Table,
+            ..undamped(formulation, LoadedFlank::Both)
+        };
+        let element = Element::with_laws(&pair, &parameters, law(), Some(law())).unwrap();
+        let phi = pair.operating_pressure_angle(pair.center_distance);
+        for s in [1.0, -1.0] {
+            // About the normal of the line of action of either flank, whose misalignment this is.
+            let across = Vector3::z().cross(&Vector3::new(phi.sin(), s * phi.cos(), 0.0));
+            for m in [-2e-3, -0.9e-3, 2e-3, 2.9e-3, 3.2e-3] {
+                let mut inputs = compressed(&element, s, 30e-6 - m * pair.z_ref());
+                inputs.gears[0].r = Rotation3::new(across * m).matrix() * inputs.gears[0].r;
+                let out = at(&element, &inputs);
+                assert_eq!(f64::from(out.flank), s);
+                assert_abs_diff_eq!(out.misalignment, m, epsilon = 5e-5);
+                assert_eq!(out.out_of_range, !(range[0]..range[1]).contains(&m), "{m}");
+            }
         }
     }
 }

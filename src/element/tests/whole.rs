@@ -8,7 +8,13 @@ fn force_direction_and_torques_are_those_of_the_closed_form() {
     for (formulation, pair) in pairs.into_iter().flatten() {
         for (flank, s, _) in SINGLE_FLANKS {
             let element = constant(&pair, formulation, flank);
-            let (e, sc, c) = (pair.e(), pair.sc(), pair.center_distance);
+            let (e, c) = (pair.e(), pair.center_distance);
+            // In a ring the pinion meshes on the far side of its own axis, where its flanks move the other way.
+            let sc = if pair.gears[1].kappa() < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             let phi = pair.operating_pressure_angle(c);
             let g1 = &pair.gears[0];
             let r_w = pair.operating_pitch_radius(0, c);

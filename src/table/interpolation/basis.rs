@@ -2,6 +2,7 @@
 //!
 //! de Boor, A Practical Guide to Splines (revised edition, 2001), chapters IX and X.
 
+use crate::accuracy::is_beyond;
 use crate::vector::Lanes;
 
 /// `N` neighbouring basis functions at one point: values, first and second derivatives by the coordinate.
@@ -213,7 +214,8 @@ impl<const N: usize> Basis<N> {
         } else if self.ends == Ends::Periodic {
             (self.inside_of(lanes, self.wrapped(x), order), false)
         } else {
-            (self.beyond(x, self.guard), x != self.high)
+            let outside = is_beyond([self.low, self.high], x);
+            (self.beyond(x, self.guard), outside)
         }
     }
 
@@ -342,6 +344,17 @@ mod tests {
                 assert_abs_diff_eq!(w.slope.iter().sum::<f64>(), 0.0, epsilon = 1e-12);
                 assert_abs_diff_eq!(w.curvature.iter().sum::<f64>(), 0.0, epsilon = 1e-11);
                 assert!(w.value.iter().all(|&v| v >= -1e-15));
+            }
+        }
+    }
+
+    #[test]
+    fn a_coordinate_on_an_end_is_inside_however_it_was_rounded() {
+        let basis = Basis::<4>::new(&UNEVEN, Ends::Bounded);
+        for end in [-1.0, 2.0] {
+            for (by, outside) in [(0.0, false), (1e-12, false), (1e-6, true)] {
+                let (_, found) = basis.weights(Lanes::COMMON, end * (1.0 + by), 2);
+                assert_eq!(found, outside, "{end} {by}");
             }
         }
     }

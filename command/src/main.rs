@@ -18,6 +18,7 @@ mod page;
 mod pair_summary;
 mod report;
 mod rexs;
+mod run_up;
 mod solve;
 mod study;
 mod tables;
@@ -49,6 +50,7 @@ enum Command {
     Inspect(inspect::Inspect),
     Report(report::Report),
     Study(study::Study),
+    RunUp(run_up::RunUpCommand),
     Cache(model::Cache),
 }
 
@@ -76,6 +78,7 @@ fn main() -> ExitCode {
         Command::Inspect(command) => command.run(),
         Command::Report(command) => command.run(),
         Command::Study(command) => command.run(),
+        Command::RunUp(command) => command.run(),
         Command::Cache(command) => command.run(),
     });
     match result {

@@ -26,11 +26,12 @@ For assemblies there are `integrate` and `cosimulate`, `gearmesh.poses`, `gearme
 
 from .analysis import Campbell, Orders, campbell, decibels, orders, swing
 from .command import Inspection, MeshCycle, Statistics, StudyResult, build, inspect, pack, solve, solve_all, study
-from .dynamics import History, RunUp, Turning, cosimulate, integrate, run_up, runge_kutta
+from .dynamics import History, Turning, cosimulate, integrate, runge_kutta
 from .errors import CommandError, GearmeshError, GearPairError
 from .geometry import Geometry
 from .pair import GearPair
 from .plots import plot_campbell, plot_cycle, plot_orders, plot_run_up
+from .speed_sweep import RunUp, run_up
 
 __version__ = "0.1.0"
 __all__ = [

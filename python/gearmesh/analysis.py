@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .dynamics import Array, History
 from .errors import GearmeshError
@@ -183,7 +184,16 @@ def swing(history: History, signal: str, window_s: float = 0.01) -> tuple[Array,
     speed_rpm, swing : (n,)
         Mean speed of each window, and the swing in the unit of the signal.
     """
-    count = round(window_s / (history.time_s[1] - history.time_s[0]))
-    whole = len(history.time_s) // count * count
-    speed, values = (x[:whole].reshape(-1, count) for x in (history.speed_rpm, history[signal]))
+    speed, values = (_windows(history, x, window_s) for x in (history.speed_rpm, history[signal]))
     return speed.mean(axis=1), 0.5 * np.ptp(values, axis=1)
+
+
+def is_outside(history: History, window_s: float = 0.01) -> NDArray[np.bool_]:
+    """Windows of `swing` in which poses or loads lie outside the range of the tables, (n,)."""
+    return _windows(history, history["out_of_range"], window_s).any(axis=1)
+
+
+def _windows(history: History, values: Array, window_s: float) -> Array:
+    """Rows of `values` in windows one after the other; a shorter rest is left out."""
+    count = round(window_s / (history.time_s[1] - history.time_s[0]))
+    return values[: len(values) // count * count].reshape(-1, count)

@@ -258,7 +258,7 @@ def build(pair: Pair, out: str | Path, *, set: Mapping[str, Value] | None = None
         Of the FMU.
     """
     with _file(pair) as file:
-        run("build", file, "-o", out, "-q", *_settings(set), *_options(options))
+        run("build", file, "-o", out, "-q", *settings(set), *_options(options))
     return Path(out)
 
 
@@ -279,7 +279,7 @@ def pack(source: Pair, out: str | Path, *, set: Mapping[str, Value] | None = Non
     """
     with _file(source) as file:
         kind = "--tables" if _kind(run("inspect", file)) == "tables" else "--pair"
-        run("pack", kind, file, "-o", out, *_settings(set))
+        run("pack", kind, file, "-o", out, *settings(set))
     return Path(out)
 
 
@@ -476,7 +476,8 @@ def _options(options: Mapping[str, Any]) -> list[str]:
     return out
 
 
-def _settings(values: Mapping[str, Value] | None) -> list[str]:
+def settings(values: Mapping[str, Value] | None) -> list[str]:
+    """Parameters of an FMU as on the command line."""
     return [f"--set={name}={str(value).lower() if isinstance(value, bool) else value}" for name, value in (values or {}).items()]
 
 

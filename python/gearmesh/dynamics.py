@@ -1,11 +1,10 @@
-"""Two gears in motion: the integrator, the co-simulation master, and the run-up of two discs coupled by an FMU."""
+"""Two gears in motion: the integrator and the co-simulation master."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -17,8 +16,6 @@ from .pair import GearPair
 Array = NDArray[np.float64]
 State = TypeVar("State")
 Rate = Callable[[float, Array], Array]
-RPM = math.pi / 30.0  # rad/s
-UM = 1e6
 
 
 @dataclass(frozen=True)
@@ -39,7 +36,15 @@ class History:
     signals: dict[str, Array]
 
     def __getitem__(self, name: str) -> Array:
-        """A signal by name."""
+        """A signal by name.
+
+        Raises
+        ------
+        GearmeshError
+            There is none of this name.
+        """
+        if name not in self.signals:
+            raise GearmeshError(f"no signal {name!r}: choose one of {', '.join(self.signals)}")
         return self.signals[name]
 
     def cut(self, keep: slice | Array) -> History:
@@ -47,30 +52,6 @@ class History:
         return History(
             self.time_s[keep], self.angle_rad[keep], self.speed_rpm[keep], {name: column[keep] for name, column in self.signals.items()}
         )
-
-
-@dataclass(frozen=True)
-class RunUp:
-    """A slow run-up and the run-down from where it ended; orders refer to gear 1.
-
-    Attributes
-    ----------
-    up, down : History
-        With `transmission_error_um` on the operating pitch circle, > 0 with the drive flank compressed,
-        `tangential_force_n`, `acceleration_gear1_rad_per_s2` and `acceleration_gear2_rad_per_s2` without the mean one.
-    natural_frequency_hz, resonance_rpm
-        Of both discs on the mean tangent stiffness at nominal torque, and the speed at which the mesh frequency meets it.
-    damping_n_s_per_m, step_s, sweep_s
-        Of the mesh, tangential; the communication step; time of each sweep.
-    """
-
-    up: History
-    down: History
-    natural_frequency_hz: float
-    resonance_rpm: float
-    damping_n_s_per_m: float
-    step_s: float
-    sweep_s: float
 
 
 class Turning:
@@ -259,124 +240,3 @@ def cosimulate(
         state = advance(n * step, state)
         if late:
             pair.y[:] = given
-
-
-def run_up(
-    unit: str | Path,
-    inertias: tuple[float, float],
-    damping: float,
-    torque: float,
-    speeds: tuple[float, float],
-    *,
-    sweep_s: float | None = None,
-    step_s: float | None = None,
-    parameters: Mapping[str, float | bool | str] | None = None,
-) -> RunUp:
-    """Sweeps the speed of two discs that an FMU couples evenly up and down again, so that both branches of a jump show.
-
-    Both discs turn freely about fixed axes. The drive brings the torque and what speeds the discs up, so that the teeth
-    carry the same mean torque at every speed. The FMU steps first and predicts its loads (`coupling` = sequential).
-
-    Parameters
-    ----------
-    unit
-        FMU of the pair.
-    inertias
-        Of both discs with all that turns with them, kg m^2; `math.inf` for one that turns as imposed.
-    damping
-        Damping ratio of both discs on the mean mesh stiffness, such as 0.03; sets the FMU's `damping`.
-    torque
-        Mean torque on gear 1, N m, > 0 on the drive flank.
-    speeds
-        Of gear 1, rpm, from lowest to highest.
-    sweep_s
-        Time of each sweep; by default twenty decay times pass while the mesh frequency crosses the resonance's width.
-    step_s
-        Communication step; by default 0.07 rad of the natural frequency, or a twentieth of the shortest mesh cycle: where teeth part, the end of the upper
-        branch is within a percent then.
-    parameters
-        Of the FMU, beside those.
-
-    Returns
-    -------
-    RunUp
-
-    Raises
-    ------
-    GearmeshError
-        An argument is out of range, or the FMU refused a pose.
-    """
-    low, high = speeds
-    if not 0.0 <= low < high:
-        raise GearmeshError(f"speeds = {speeds}: give the lowest and the highest, rpm, 0 or more")
-    if not (torque > 0.0 and damping >= 0.0 and min(inertias) > 0.0 and min(inertias) < math.inf):
-        raise GearmeshError(f"inertias = {inertias}, damping = {damping}, torque = {torque}: give numbers > 0 (damping 0 or more)")
-    if sweep_s is None and damping == 0.0:
-        raise GearmeshError("damping = 0: nothing decays, give sweep_s")
-    with GearPair(unit, {"coupling": "sequential", **(parameters or {})}) as pair:
-        geometry = pair.geometry
-        stiffness, mass = float(pair.parameters["constantStiffness"]), geometry.reduced_mass(inertias)
-        omega = math.sqrt(stiffness / mass)
-        sweep_s = sweep_s or 20.0 / (2.0 * (damping * omega) ** 2) * (high - low) * RPM * geometry.teeth[0]
-        step = step_s or min(0.07 / omega, 2.0 * math.pi / (20.0 * high * RPM * geometry.teeth[0]))
-        pair.set_parameter("damping", 2.0 * damping * math.sqrt(stiffness * mass))
-        pair.set_parameter("effectiveMass", geometry.reduced_mass(inertias, geometry.base_radii))
-        rest = _Discs(pair, inertias, torque, torque / geometry.pitch_radii[0] / stiffness, step)
-        settle = min(8.0 / (damping * omega), sweep_s) if damping else 0.0
-        rest.sweep(low, low, settle)
-        up, down = rest.sweep(low, high, sweep_s), rest.sweep(high, low, sweep_s)
-        resonance = omega / geometry.teeth[0] / RPM
-        return RunUp(up, down, omega / (2.0 * math.pi), resonance, float(pair.parameters["damping"]), step, sweep_s)
-
-
-class _Discs:
-    """Two discs on an FMU; their state is angle and rate of each beside the mean motion."""
-
-    def __init__(self, pair: GearPair, inertias: tuple[float, float], torque: float, approach: float, step: float) -> None:
-        """Starts in equilibrium: `approach`, m, on the pitch circle."""
-        ratio = pair.geometry.ratio
-        self._turning, self._ratio, self._step = Turning(pair, step), ratio, step
-        self._inverse = 1.0 / inertias[0], 1.0 / inertias[1]
-        self._torques = torque, -torque / ratio
-        self._angle = 0.0  # of gear 1 in its mean motion
-        share = inertias[1] < math.inf  # which disc starts turned against the other
-        pitch = pair.geometry.pitch_radii
-        self._state = (0.0, 0.0, -math.copysign(approach / pitch[1], ratio), 0.0) if share else (approach / pitch[0], 0.0, 0.0, 0.0)
-        pair.initialize()
-
-    def sweep(self, start: float, end: float, duration: float) -> History:
-        """Evenly from `start` to `end`, rpm."""
-        turning, pair, ratio, step = self._turning, self._turning.pair, self._ratio, self._step
-        count = round(duration / step)
-        first, change = start * RPM, (end - start) * RPM / max(count * step, step)
-        (inverse1, inverse2), (torque1, torque2) = self._inverse, self._torques
-        angle0 = self._angle
-        rows = np.empty((count, 6))
-        at = [pair.output[name] for name in ("mesh.transmissionError", "mesh.tangentialForce")]
-
-        def place(time: float, state: tuple[float, float, float, float]) -> None:
-            angle, speed = angle0 + time * (first + 0.5 * change * time), first + change * time
-            turning.place(angle + state[0], speed + state[1], ratio * angle + state[2], ratio * speed + state[3])
-
-        def advance(_: float, state: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-            moment1, moment2 = turning.moments()
-            a1, a2 = (torque1 + moment1) * inverse1, (torque2 + moment2) * inverse2
-            q1, v1, q2, v2 = state
-            return q1 + step * (v1 + 0.5 * step * a1), v1 + step * a1, q2 + step * (v2 + 0.5 * step * a2), v2 + step * a2
-
-        y = pair.y
-        for n, (_, state) in enumerate(cosimulate(pair, place, advance, self._state, step, count)):
-            moment1, moment2 = turning.moments()
-            rows[n] = state[0], state[1], y[at[0]], y[at[1]], moment1, moment2
-        if count:
-            self._state = advance(0.0, state)
-        time = step * np.arange(count)
-        self._angle += count * step * (first + 0.5 * change * count * step)
-        signals = {
-            "transmission_error_um": UM * rows[:, 2],
-            "tangential_force_n": rows[:, 3],
-            "acceleration_gear1_rad_per_s2": (torque1 + rows[:, 4]) * inverse1,
-            "acceleration_gear2_rad_per_s2": (torque2 + rows[:, 5]) * inverse2,
-        }
-        angle = angle0 + time * (first + 0.5 * change * time) + rows[:, 0]
-        return History(time, angle, (first + change * time + rows[:, 1]) / RPM, signals)

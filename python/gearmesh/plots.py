@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .analysis import Campbell, Orders, decibels, swing
+from .analysis import Campbell, Orders, decibels, is_outside, swing
 from .command import MeshCycle
-from .dynamics import RunUp
 from .errors import GearmeshError
+from .speed_sweep import RunUp
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,7 +111,11 @@ def plot_run_up(run: RunUp, signal: str = "transmission_error_um", axes: Axes | 
     """
     axes = axes or figure()[1]
     for history, name, color in ((run.up, "run-up", BLUE), (run.down, "run-down", RED)):
-        axes.plot(*swing(history, signal, window_s), color=color, label=name)
+        speed, half = swing(history, signal, window_s)
+        axes.plot(speed, half, color=color, label=name)
+        outside = is_outside(history, window_s)
+        if outside.any():
+            axes.plot(speed[outside], half[outside], "o", color=color, ms=4, fillstyle="none", label=f"{name}, outside the tables")
     axes.axvline(run.resonance_rpm, color=GREY, lw=0.8, ls="--", label="resonance, linear")
     axes.set(xlabel="speed (rpm)", ylabel=f"{_words(signal)}, half of peak to peak")
     axes.legend()
@@ -169,7 +173,9 @@ def plot_campbell(found: Campbell, axes: Axes | None = None, reference: float = 
         found.speed_rpm[order], 1e-3 * found.frequency_hz, level[:, order], vmin=level.max() - range_db, vmax=level.max(), shading="auto"
     )
     axes.grid(False)
-    axes.set(xlabel="speed (rpm)", ylabel="frequency (kHz)")
+    # Up to the highest frequency that comes within the range of levels: beyond it there is nothing to see.
+    seen = np.flatnonzero((level > level.max() - range_db).any(axis=1))
+    axes.set(xlabel="speed (rpm)", ylabel="frequency (kHz)", ylim=(0.0, 1e-3 * found.frequency_hz[seen[-1]]))
     axes.figure.colorbar(picture, ax=axes, label=_words(found.signal, reference))
     return axes
 

@@ -34,6 +34,7 @@ mod models;
 mod new;
 mod refusing;
 mod reporting;
+mod running_up;
 mod solving;
 mod studying;
 mod tables;

@@ -23,15 +23,16 @@ pub(super) const CYCLES: usize = 4;
 const ROWS: usize = 64;
 
 /// An instance of an FMU whose gears are turned on from their start pose.
-struct Driven {
-    unit: Instance,
+pub(crate) struct Driven {
+    pub(crate) unit: Instance,
     starts: [f64; INPUTS],
     /// Torque on gear 1 on the flank that carries, N m.
     nominal_torque: f64,
 }
 
 impl Driven {
-    fn new(resources: &Arc<Resources>) -> Result<Self, Refusal> {
+    /// Initialised at its start values.
+    pub(crate) fn new(resources: &Arc<Resources>) -> Result<Self, Refusal> {
         let mut unit = Instance::new(resources.clone(), Interface::CoSimulation);
         unit.setup(0.0, None)?;
         unit.exit_initialization()?;
@@ -68,7 +69,7 @@ impl Driven {
     }
 
     /// Turns the gears.
-    fn turn(&mut self, angles: [f64; 2], rates: [f64; 2]) -> Result<(), Refusal> {
+    pub(crate) fn turn(&mut self, angles: [f64; 2], rates: [f64; 2]) -> Result<(), Refusal> {
         let references = VARIABLES[..INPUTS].iter().map(|v| v.value_reference);
         let references: Vec<u32> = references.collect();
         let inputs = self.turned(angles, rates);
@@ -76,7 +77,10 @@ impl Driven {
     }
 
     /// Values of these variables.
-    fn read<const N: usize>(&mut self, outputs: [usize; N]) -> Result<[f64; N], Refusal> {
+    pub(crate) fn read<const N: usize>(
+        &mut self,
+        outputs: [usize; N],
+    ) -> Result<[f64; N], Refusal> {
         let mut values = Vec::with_capacity(N);
         let references = outputs.map(|i| VARIABLES[i].value_reference);
         self.unit.get(Kind::Real, &references, |x| values.push(x))?;

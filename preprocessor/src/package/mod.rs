@@ -16,8 +16,10 @@ use sha2::{Digest, Sha256};
 
 pub use archive::{Inspection, Library, PackageError, inspect, libraries_beside};
 pub use documentation::start_in_words;
+pub(crate) use driven::Driven;
 pub use driven::step_error;
-pub use dynamics::{MeshDynamics, theoretical_pair_stiffness};
+pub use dynamics::{Blank, MeshDynamics, theoretical_pair_stiffness};
+pub(crate) use starts::SEQUENTIAL;
 pub use starts::{Setting, Starts};
 
 use documentation::Description;
@@ -151,7 +153,7 @@ fn guid(
 
 /// A file of `resources/tables`.
 #[cfg(test)]
-fn shipped_tables(name: &str) -> TableFile {
+pub(crate) fn shipped_tables(name: &str) -> TableFile {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../resources/tables");
     TableFile::read(format!("{folder}/{name}.json")).unwrap()
 }

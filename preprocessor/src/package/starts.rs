@@ -19,7 +19,7 @@ const TEETH: f64 = 4.0;
 const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
 pub(super) const HELD: f64 = 1.0;
-pub(super) const SEQUENTIAL: f64 = 2.0;
+pub(crate) const SEQUENTIAL: f64 = 2.0;
 const PARALLEL: f64 = 3.0;
 
 /// Start values of an FMU that belong to its pair.
@@ -99,7 +99,7 @@ impl Starts {
     }
 
     /// Start values by name.
-    pub(super) fn of_variables(&self, geometry: &PairGeometry) -> BTreeMap<String, f64> {
+    pub(crate) fn of_variables(&self, geometry: &PairGeometry) -> BTreeMap<String, f64> {
         let distance = geometry.center_distance;
         let cos_phi = geometry.operating_pressure_angle(distance).cos();
         let dynamics = self.dynamics(geometry);
@@ -186,6 +186,11 @@ impl Setting {
 
     const fn new(index: usize, value: f64) -> Self {
         Self { index, value }
+    }
+
+    /// Name of the variable and its start value.
+    pub fn start(&self) -> (String, f64) {
+        (VARIABLES[self.index].name.to_owned(), self.value)
     }
 }
 

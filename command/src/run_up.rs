@@ -1,0 +1,441 @@
+//! `gearmesh run-up PAIR.fmu`: two discs through the resonances of the mesh and back, as a page.
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use clap::Args;
+use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::table::TableFile;
+use gearmesh::words::{fixed, rounded};
+use gearmesh_preprocessor::package::{self, Blank, Setting};
+use gearmesh_preprocessor::run_up::{History, RunUp, Sweep};
+use serde_json::{Value, json};
+
+use crate::columns::{Listing, rows};
+use crate::error::Result;
+use crate::limits;
+use crate::output::{self, Job};
+use crate::page::{Curve, Figure, Height, Map, Page, Section, charts, origin};
+
+const RPM: f64 = TAU / 60.0;
+const SPEED: &str = "speed of gear 1 (rpm)";
+/// Harmonics of the mesh frequency that are drawn.
+const HARMONICS: usize = 3;
+/// Mesh cycles in a window of the swings at the lowest speed, and windows over the speed, at most.
+const CYCLES: f64 = 3.0;
+const WINDOWS: f64 = 150.0;
+/// Rows of the map of spectra, and how far below the largest level it begins, dB.
+const FREQUENCIES: usize = 120;
+const DEPTH: f64 = 70.0;
+
+/// Sweep the speed of two discs that an FMU couples up and down, and draw swings, orders and spectra.
+#[derive(Debug, Args)]
+pub struct RunUpCommand {
+    /// FMU of the pair
+    fmu: PathBuf,
+
+    /// HTML file to write
+    #[arg(short, long)]
+    output: PathBuf,
+
+    /// Moments of inertia about their axes, kg m2, of gear 1 and of gear 2 with all that turns with them; inf: it turns as imposed
+    /// [default: the gears alone, of steel]
+    #[arg(long, value_name = "J", num_args = 2, value_parser = inertia)]
+    inertia_kg_m2: Vec<f64>,
+
+    /// Damping ratio of both discs on the mean mesh stiffness
+    #[arg(long, value_name = "RATIO", default_value_t = 0.05, value_parser = limits::within(0.0..=0.99))]
+    damping_ratio: f64,
+
+    /// Mean torque on gear 1, N m; < 0: on the coast flank [default: the nominal one]
+    #[arg(long, value_name = "T", value_parser = limits::finite)]
+    torque_nm: Option<f64>,
+
+    /// Lowest and highest speed of gear 1, rpm [default: 0.3 and 1.4 times the resonance of the mean stiffness]
+    #[arg(long, value_names = ["LOW", "HIGH"], num_args = 2, value_parser = limits::within(0.0..=1e7))]
+    speed_rpm: Vec<f64>,
+
+    /// Time of each way, s [default: twenty decay times while the mesh frequency crosses the resonance]
+    #[arg(long, value_name = "S", value_parser = limits::within(1e-6..=1e4))]
+    sweep_s: Option<f64>,
+
+    /// Communication step, s [default: 0.07 rad of the natural frequency, or a twentieth of the shortest mesh cycle]
+    #[arg(long, value_name = "S", value_parser = limits::within(1e-12..=1e4))]
+    step_s: Option<f64>,
+
+    /// Value of another parameter, such as backlash=8e-5; repeatable
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<Setting>,
+
+    /// Folder for every chart as an SVG and a CSV file, too; it is made if it is not there
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+
+    /// Folder for the signals of both ways, up.npy and down.npy: arrays of NumPy with a field for each signal
+    #[arg(long, value_name = "DIR")]
+    signals: Option<PathBuf>,
+
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+
+    /// Show no progress
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// A moment of inertia, kg m².
+fn inertia(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().unwrap_or(f64::NAN);
+    let refusal = || "give a number > 0, or inf for a gear that turns as imposed".to_owned();
+    (value > 0.0).then_some(value).ok_or_else(refusal)
+}
+
+impl RunUpCommand {
+    pub fn run(self) -> Result<()> {
+        output::check_writable(&self.output, [&self.fmu])?;
+        for (option, folder) in [("--figures", &self.figures), ("--signals", &self.signals)] {
+            if let Some(folder) = folder {
+                output::make_folder(option, folder)?;
+            }
+        }
+        let found = package::inspect(&self.fmu)?;
+        let mut unit = found.unit;
+        unit.starts.extend(self.set.iter().map(Setting::start));
+        let tables = found
+            .tables
+            .as_deref()
+            .map(TableFile::from_json)
+            .transpose()?;
+        let geometry = &unit.geometry;
+        let start = |i: usize| {
+            let own = unit.starts.get(VARIABLES[i].name).copied();
+            own.or(VARIABLES[i].start).unwrap_or(0.0)
+        };
+        let bodies = || {
+            geometry
+                .gears
+                .each_ref()
+                .map(|gear| Blank::new(gear).axial_inertia)
+        };
+        let inertia = <[f64; 2]>::try_from(&self.inertia_kg_m2[..]).unwrap_or_else(|_| bodies());
+        let mut sweep = Sweep {
+            inertia,
+            damping_ratio: self.damping_ratio,
+            torque: self
+                .torque_nm
+                .unwrap_or_else(|| start(index::NOMINAL_TORQUE)),
+            speeds: [0.0; 2],
+            duration: self.sweep_s,
+            step: self.step_s,
+        };
+        let resonance = sweep.resonance_speed(&unit);
+        let speeds = self
+            .speed_rpm
+            .iter()
+            .map(|rpm| rpm * RPM)
+            .collect::<Vec<_>>();
+        sweep.speeds =
+            <[f64; 2]>::try_from(&speeds[..]).unwrap_or([0.3 * resonance, 1.4 * resonance]);
+        let job = Job::new(self.quiet);
+        let contact = found.contact.as_ref();
+        let run = sweep
+            .run(&unit, tables.as_ref(), contact, &|share| {
+                job.show("sweeping the speed", share)
+            })
+            .map_err(|refusal| format!("{}: {}", self.fmu.display(), refusal.message))?;
+        drop(job);
+        if let Some(folder) = &self.signals {
+            for (name, history) in [("up.npy", &run.up), ("down.npy", &run.down)] {
+                output::write_whole(&folder.join(name), &npy(history))?;
+            }
+        }
+        let summary = Summary::new(&sweep, &run);
+        let page = Page {
+            title: format!("Run-up: {}", unit.name),
+            origin: origin(&self.fmu)?,
+            sections: summary.sections(geometry.gears[0].teeth),
+        };
+        page.write(&self.output, self.figures.as_deref())?;
+        output::print(&match self.json {
+            true => format!("{:#}\n", summary.json()),
+            false => format!("{}\nWrote {}\n", summary.listing(), self.output.display()),
+        })
+    }
+}
+
+/// What is said of a run-up.
+struct Summary<'a> {
+    sweep: &'a Sweep,
+    run: &'a RunUp,
+    /// Length of the windows of swings, s.
+    window: f64,
+}
+
+impl<'a> Summary<'a> {
+    fn new(sweep: &'a Sweep, run: &'a RunUp) -> Self {
+        let lowest = sweep.speeds[0].max(0.02 * sweep.speeds[1]);
+        let mesh = TAU / (lowest * run.resonance_speed.recip() * run.natural_frequency * TAU);
+        Summary {
+            sweep,
+            run,
+            window: (CYCLES * mesh)
+                .max(run.duration / WINDOWS)
+                .min(run.duration),
+        }
+    }
+
+    fn ways(&self) -> [(&'static str, &'a History); 2] {
+        [("run-up", &self.run.up), ("run-down", &self.run.down)]
+    }
+
+    /// Half of the peak-to-peak transmission error in um, largest, with its speed in rpm.
+    fn largest_swing(&self, history: &History) -> (f64, f64) {
+        let swings = history.swing(&history.transmission_error, self.window);
+        let largest = swings.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        largest.map_or((f64::NAN, f64::NAN), |(speed, swing)| {
+            (speed / RPM, 1e6 * swing)
+        })
+    }
+
+    /// Speeds, rpm, between which poses or loads lie outside the tables, and the share of the time.
+    fn out_of_range(&self, history: &History) -> Option<([f64; 2], f64)> {
+        let outside = history
+            .speed
+            .iter()
+            .zip(&history.out_of_range)
+            .filter(|(_, out)| **out);
+        let speeds: Vec<f64> = outside.map(|(speed, _)| speed / RPM).collect();
+        let [low, high] = [f64::min, f64::max].map(|end| speeds.iter().copied().reduce(end));
+        Some((
+            [low?, high?],
+            speeds.len() as f64 / history.speed.len() as f64,
+        ))
+    }
+
+    /// Lowest and highest speed, rpm, at which the teeth part.
+    fn parted(&self, history: &History) -> Option<[f64; 2]> {
+        let parted = history.speed.iter().zip(&history.tangential_force);
+        let parted = parted.filter(|(_, force)| **force == 0.0);
+        let speeds: Vec<f64> = parted.map(|(speed, _)| speed / RPM).collect();
+        let [low, high] = [f64::min, f64::max].map(|end| speeds.iter().copied().reduce(end));
+        Some([low?, high?])
+    }
+
+    fn listing(&self) -> Listing {
+        let (run, sweep) = (self.run, self.sweep);
+        let [j1, j2] = sweep.inertia.map(rounded);
+        let [low, high] = sweep.speeds.map(|speed| fixed(speed / RPM, 0));
+        let mut rows = Listing::default();
+        rows! { rows;
+            "moments of inertia" => "{j1} and {j2} kg m2";
+            "mean torque on gear 1" => "{} N m", rounded(sweep.torque);
+            "damping ratio" => "{}, {:.4e} N s/m along the pitch circle", sweep.damping_ratio, run.damping;
+            "speeds of gear 1" => "{low} to {high} rpm, {} s each way", rounded(run.duration);
+            "natural frequency on the mean stiffness" => "{:.1} Hz", run.natural_frequency;
+            "mesh frequency meets it at" => "{:.0} rpm", run.resonance_speed / RPM;
+        }
+        for (name, history) in self.ways() {
+            let (speed, swing) = self.largest_swing(history);
+            rows.row(
+                format!("{name}: transmission error, half of peak to peak"),
+                format!("at most {swing:.2} um, at {speed:.0} rpm"),
+            );
+            let parted = self.parted(history);
+            rows.row(
+                format!("{name}: teeth part"),
+                parted.map_or("nowhere".into(), |[low, high]| {
+                    format!("between {low:.0} and {high:.0} rpm")
+                }),
+            );
+            if let Some(([low, high], share)) = self.out_of_range(history) {
+                rows.row(
+                    format!("{name}: outside the range of the tables"),
+                    format!(
+                        "{:.1} % of the time, between {low:.0} and {high:.0} rpm: loads there are continued linearly; build tables for larger \
+                         loads (maximum_torque_nm)",
+                        100.0 * share
+                    ),
+                );
+            }
+        }
+        rows
+    }
+
+    fn json(&self) -> Value {
+        let (run, sweep) = (self.run, self.sweep);
+        let way = |history: &History| {
+            let (speed, swing) = self.largest_swing(history);
+            let out = self.out_of_range(history);
+            json!({
+                "largest_swing_um": swing, "largest_swing_rpm": speed, "parted_rpm": self.parted(history),
+                "out_of_range_share": out.map_or(0.0, |out| out.1), "out_of_range_rpm": out.map(|out| out.0),
+            })
+        };
+        json!({
+            "inertia_kg_m2": sweep.inertia.map(|j| j.is_finite().then_some(j)), "torque_nm": sweep.torque,
+            "damping_ratio": sweep.damping_ratio, "damping_n_s_per_m": run.damping, "step_s": run.step, "sweep_s": run.duration,
+            "natural_frequency_hz": run.natural_frequency, "resonance_rpm": run.resonance_speed / RPM,
+            "up": way(&run.up), "down": way(&run.down),
+        })
+    }
+
+    fn sections(&self, teeth: u32) -> Vec<Section> {
+        let in_rpm = |values: Vec<(f64, f64)>, scale: f64| {
+            values
+                .into_iter()
+                .map(move |(speed, value)| (speed / RPM, scale * value))
+        };
+        let ways = self.ways();
+        let mut swings = Vec::new();
+        for (name, history) in ways {
+            let swing: Vec<(f64, f64)> =
+                in_rpm(history.swing(&history.transmission_error, self.window), 1e6).collect();
+            let windows = history.windows(self.window);
+            let is_outside = |k: usize| history.out_of_range[windows[k].1.clone()].contains(&true);
+            let outside = |(k, (speed, swing)): (usize, &(f64, f64))| {
+                (*speed, if is_outside(k) { *swing } else { f64::NAN })
+            };
+            let outside = Curve::new(
+                format!("{name}, outside the tables"),
+                swing.iter().enumerate().map(outside),
+            );
+            swings.push(Curve::new(name, swing));
+            swings.extend((!outside.points.is_empty()).then_some(outside));
+        }
+        let nominal = self.sweep.torque.abs();
+        let mean = |history: &History| {
+            let force = &history.tangential_force;
+            force.iter().sum::<f64>() / force.len().max(1) as f64
+        };
+        let largest = ways.map(|(name, history)| {
+            let windows = history.windows(self.window).into_iter();
+            let mean = mean(history);
+            Curve::new(
+                name,
+                windows.map(|(speed, rows)| {
+                    let force = history.tangential_force[rows].iter().copied();
+                    (speed / RPM, force.fold(0.0, f64::max) / mean)
+                }),
+            )
+        });
+        let mut sections = vec![
+            Section::new(
+                "Overview",
+                format!(
+                    "Both discs turn freely about fixed axes under {} N m on gear 1. Where teeth part, run-up and run-down differ. \
+                     Transmission error: on the operating pitch circle, half of the peak-to-peak in windows of {:.1} ms. Dynamic factor: \
+                     largest tangential force in a window over the mean one.",
+                    rounded(nominal),
+                    1e3 * self.window
+                ),
+                charts! {
+                    "Transmission error in run-up and run-down", [SPEED, "half of peak to peak (um)"], Height::FromZero(1e-3)
+                        => swings;
+                    "Dynamic factor", [SPEED, "largest over mean force"], Height::FromZero(0.0) => largest.into();
+                },
+            )
+            .with_text(self.listing().to_string()),
+        ];
+        for (name, history) in ways {
+            let figures = vec![
+                orders(name, history, teeth),
+                self.campbell(name, history, teeth),
+            ];
+            let heading = match name {
+                "run-up" => "Orders and spectra in the run-up",
+                _ => "Orders and spectra in the run-down",
+            };
+            let note = "Angular acceleration of gear 2 (of gear 1 where gear 2 turns as imposed). Orders: amplitudes at multiples of the mesh \
+                        frequency, in windows of one turn of gear 1. Spectra: orders are straight lines through the origin, resonances of \
+                        the mesh lie where they are bright.";
+            sections.push(Section::new(heading, note, figures));
+        }
+        sections
+    }
+
+    /// Levels of the acceleration over speed and frequency.
+    fn campbell(&self, name: &str, history: &History, teeth: u32) -> Figure {
+        let signal = moving(history);
+        let highest = self.sweep.speeds[1] / TAU * f64::from(teeth) * (HARMONICS as f64 + 0.5);
+        let frequencies: Vec<f64> = (1..=FREQUENCIES)
+            .map(|k| highest * k as f64 / FREQUENCIES as f64)
+            .collect();
+        let window = (4.0 * FREQUENCIES as f64 / highest).max(2.0 * self.run.duration / WINDOWS);
+        let mut spectra =
+            history.spectra(signal, &frequencies, window.min(0.5 * self.run.duration));
+        spectra.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let level = |amplitude: f64| 20.0 * amplitude.max(f64::MIN_POSITIVE).log10();
+        let all = || spectra.iter().flat_map(|(_, row)| row);
+        let least = all().copied().map(level).fold(f64::NEG_INFINITY, f64::max) - DEPTH;
+        let speeds: Vec<f64> = spectra.iter().map(|(speed, _)| speed / RPM).collect();
+        let khz: Vec<f64> = frequencies.iter().map(|f| 1e-3 * f).collect();
+        let values = (0..FREQUENCIES).flat_map(|k| {
+            let above = move |row: &(f64, Vec<f64>)| (level(row.1[k]) - least).max(0.0);
+            spectra.iter().map(above).collect::<Vec<_>>()
+        });
+        let map = Map::on_nodes([&speeds, &khz], values, DEPTH);
+        let label = format!("dB re {:.2e} rad/s2", 10f64.powf(least / 20.0));
+        charts! { format!("Spectra in the {name}"), [SPEED, "frequency (kHz)", &label] => map; }
+            .remove(0)
+    }
+}
+
+/// The acceleration of gear 2, or of gear 1 where gear 2 turns as imposed.
+fn moving(history: &History) -> &[f64] {
+    let [one, two] = &history.acceleration;
+    if two.iter().all(|acceleration| *acceleration == 0.0) {
+        one
+    } else {
+        two
+    }
+}
+
+fn orders(name: &str, history: &History, teeth: u32) -> Figure {
+    let curve = |k: usize| {
+        let order = f64::from(teeth) * k as f64;
+        let found = history.order(moving(history), order, 1.0).into_iter();
+        let level = |(speed, amplitude): (f64, f64)| (speed / RPM, 20.0 * amplitude.log10());
+        Curve::new(format!("order {order}"), found.map(level))
+    };
+    let curves = (1..=HARMONICS).map(curve).collect();
+    charts! { format!("Orders in the {name}"), [SPEED, "acceleration (dB re 1 rad/s2)"], Height::Curves(1.0) => curves; }.remove(0)
+}
+
+/// The signals as a structured array in the format of NumPy, version 1.0.
+fn npy(history: &History) -> Vec<u8> {
+    let [one, two] = &history.acceleration;
+    let outside: Vec<f64> = history
+        .out_of_range
+        .iter()
+        .map(|out| f64::from(u8::from(*out)))
+        .collect();
+    let columns: [(&str, &[f64], f64); 8] = [
+        ("time_s", &history.time, 1.0),
+        ("angle_rad", &history.angle, 1.0),
+        ("speed_rpm", &history.speed, 1.0 / RPM),
+        ("transmission_error_um", &history.transmission_error, 1e6),
+        ("tangential_force_n", &history.tangential_force, 1.0),
+        ("acceleration_gear1_rad_per_s2", one, 1.0),
+        ("acceleration_gear2_rad_per_s2", two, 1.0),
+        ("out_of_range", &outside, 1.0),
+    ];
+    let fields = columns
+        .map(|(name, ..)| format!("('{name}', '<f8')"))
+        .join(", ");
+    let rows = history.time.len();
+    let mut head = format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
+    // Magic, version and length take 10 bytes; the head ends on a multiple of 64 with a line break.
+    let padding = 63 - (head.len() + 10) % 64;
+    head.push_str(&" ".repeat(padding));
+    head.push('\n');
+    let mut out = b"\x93NUMPY\x01\x00".to_vec();
+    out.extend((head.len() as u16).to_le_bytes());
+    out.extend(head.as_bytes());
+    for i in 0..rows {
+        for (_, values, scale) in columns {
+            out.extend((values[i] * scale).to_le_bytes());
+        }
+    }
+    out
+}

@@ -1,0 +1,446 @@
+//! Two discs that an FMU couples, swept slowly up in speed and down again: resonances, jumps, and what the teeth carry.
+//!
+//! Both discs turn freely about fixed axes. The drive brings the mean torque and what speeds the discs up, so that the teeth carry
+//! the same mean torque at every speed. The FMU steps first and predicts its loads; the discs move exactly under loads that are
+//! constant over a step.
+
+mod analysis;
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use crate::package::{Driven, SEQUENTIAL};
+use gearmesh::contact::ContactFile;
+use gearmesh::fmi::Refusal;
+use gearmesh::fmi::resources::{Resources, UnitFile};
+use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::table::TableFile;
+
+/// What is swept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// Moment of inertia of each gear with all that turns with it, about its axis, kg m². Infinite: it turns as imposed; not both.
+    pub inertia: [f64; 2],
+    /// Damping ratio of both discs on the mean mesh stiffness, >= 0; sets `damping` of the FMU.
+    pub damping_ratio: f64,
+    /// Mean torque on gear 1, N m: > 0 on the drive flank, < 0 on the coast flank.
+    pub torque: f64,
+    /// Lowest and highest speed of gear 1, rad/s, >= 0.
+    pub speeds: [f64; 2],
+    /// Time of each way, s. None: twenty decay times pass while the mesh frequency crosses the width of the resonance.
+    pub duration: Option<f64>,
+    /// Communication step, s. None: 0.07 rad of the natural frequency, or a twentieth of the shortest mesh cycle; where teeth part, the
+    /// end of the upper branch is within a percent then.
+    pub step: Option<f64>,
+}
+
+/// Signals over one way, evenly spaced in time; SI.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct History {
+    /// Since the start of this way, s.
+    pub time: Vec<f64>,
+    /// Angle and speed of gear 1, rad and rad/s.
+    pub angle: Vec<f64>,
+    /// rad/s.
+    pub speed: Vec<f64>,
+    /// `mesh.transmissionError`, m, on the operating pitch circle.
+    pub transmission_error: Vec<f64>,
+    /// `mesh.tangentialForce`, N.
+    pub tangential_force: Vec<f64>,
+    /// Angular acceleration of both gears without the mean one, rad/s².
+    pub acceleration: [Vec<f64>; 2],
+    /// `mesh.outOfRange`: pose or load outside the range of the tables.
+    pub out_of_range: Vec<bool>,
+}
+
+/// Both ways, and what they were made with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunUp {
+    /// From the lowest speed to the highest.
+    pub up: History,
+    /// Back, from where the run-up ended.
+    pub down: History,
+    /// Of both discs on the mean tangent stiffness at nominal torque, Hz.
+    pub natural_frequency: f64,
+    /// Speed of gear 1 at which the mesh frequency is that one, rad/s.
+    pub resonance_speed: f64,
+    /// Mesh damping, tangential, N s/m.
+    pub damping: f64,
+    /// Communication step and time of each way, s.
+    pub step: f64,
+    /// s.
+    pub duration: f64,
+}
+
+const STEP_ANGLE: f64 = 0.07;
+const STEPS_PER_CYCLE: f64 = 20.0;
+/// Largest number of steps of both ways together: a quarter of an hour, and some gigabytes.
+const MOST_STEPS: f64 = 1e8;
+
+impl Sweep {
+    /// Speed of gear 1, rad/s, at which the mesh frequency meets the natural frequency of both discs on `constantStiffness`, the mean
+    /// tangent stiffness at nominal torque.
+    pub fn resonance_speed(&self, unit: &UnitFile) -> f64 {
+        self.frequency(unit) / unit.geometry.gears[0].z()
+    }
+
+    /// That natural frequency, rad/s.
+    fn frequency(&self, unit: &UnitFile) -> f64 {
+        let geometry = &unit.geometry;
+        let pitch = [0, 1].map(|i| geometry.operating_pitch_radius(i, geometry.center_distance));
+        (stiffness(unit) / self.reduced_mass(pitch)).sqrt()
+    }
+
+    /// Of both discs turning against one another, at these `radii`, m, in kg.
+    fn reduced_mass(&self, radii: [f64; 2]) -> f64 {
+        1.0 / (0..2)
+            .map(|i| radii[i].powi(2) / self.inertia[i])
+            .sum::<f64>()
+    }
+
+    /// Sweeps an FMU of these resources; `progress` gets the share that is done.
+    ///
+    /// # Errors
+    /// Numbers out of range, and poses that the FMU refuses, with its reason.
+    pub fn run(
+        &self,
+        unit: &UnitFile,
+        tables: Option<&TableFile>,
+        contact: Option<&ContactFile>,
+        progress: &dyn Fn(f64),
+    ) -> Result<RunUp, Refusal> {
+        let geometry = &unit.geometry;
+        let pitch = [0, 1].map(|i| geometry.operating_pitch_radius(i, geometry.center_distance));
+        let base = [0, 1].map(|i| geometry.gears[i].base_radius());
+        let (stiffness, omega) = (stiffness(unit), self.frequency(unit));
+        let z1 = geometry.gears[0].z();
+        let [low, high] = self.speeds;
+        let duration = match self.duration {
+            Some(duration) => duration,
+            None => 20.0 / (2.0 * (self.damping_ratio * omega).powi(2)) * (high - low) * z1,
+        };
+        let usual = (STEP_ANGLE / omega).min(TAU / (STEPS_PER_CYCLE * high * z1));
+        let step = self.step.unwrap_or(usual);
+        let damping = 2.0 * self.damping_ratio * (stiffness * self.reduced_mass(pitch)).sqrt();
+        self.check(duration, step)?;
+
+        let mut unit = unit.clone();
+        let name = |i: usize| VARIABLES[i].name.to_owned();
+        unit.starts.insert(name(index::COUPLING), SEQUENTIAL);
+        unit.starts.insert(name(index::DAMPING), damping);
+        unit.starts
+            .insert(name(index::EFFECTIVE_MASS), self.reduced_mass(base));
+        let resources = Resources::new(unit, tables.cloned(), contact.cloned());
+        let resources = resources.map_err(Refusal::error)?;
+        let mut discs = Discs::new(&Arc::new(resources), self, stiffness, pitch, step)?;
+        // The start is an equilibrium of the mean stiffness alone.
+        let settle = match self.damping_ratio > 0.0 {
+            true => duration.min(8.0 / (self.damping_ratio * omega)),
+            false => 0.0,
+        };
+        discs.sweep([low, low], settle, &|_| {})?;
+        let up = discs.sweep([low, high], duration, &|share| progress(0.5 * share))?;
+        let down = discs.sweep([high, low], duration, &|share| progress(0.5 + 0.5 * share))?;
+        Ok(RunUp {
+            up,
+            down,
+            natural_frequency: omega / TAU,
+            resonance_speed: omega / z1,
+            damping,
+            step,
+            duration,
+        })
+    }
+
+    fn check(&self, duration: f64, step: f64) -> Result<(), Refusal> {
+        let [low, high] = self.speeds;
+        let refuse = |reason: String| Err(Refusal::error(reason));
+        if !(low >= 0.0 && low < high && high.is_finite()) {
+            return refuse(format!(
+                "speeds {low} to {high} rad/s: give the lowest, 0 or more, and a higher one"
+            ));
+        }
+        let [one, two] = self.inertia;
+        if !(one > 0.0 && two > 0.0 && one.min(two).is_finite()) {
+            return refuse(format!(
+                "moments of inertia {one} and {two} kg m2: give two numbers > 0, of which one may be infinite"
+            ));
+        }
+        if !(self.torque != 0.0 && self.torque.is_finite()) {
+            return refuse(format!(
+                "torque {} N m: give a number other than 0",
+                self.torque
+            ));
+        }
+        if !(self.damping_ratio >= 0.0 && self.damping_ratio < 1.0) {
+            return refuse(format!(
+                "damping ratio {}: give a number from 0 to below 1",
+                self.damping_ratio
+            ));
+        }
+        if !(duration > 0.0 && duration.is_finite()) {
+            return refuse(format!(
+                "time of each way {duration} s: without damping nothing decays, give a time > 0"
+            ));
+        }
+        if !(step > 0.0 && step < duration) {
+            return refuse(format!(
+                "step {step} s: give a step > 0 and below the time of each way, {duration} s"
+            ));
+        }
+        if 2.0 * duration / step > MOST_STEPS {
+            return refuse(format!(
+                "{:.2e} steps of {step:.2e} s: give less time for each way, or lower speeds",
+                2.0 * duration / step
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// `constantStiffness` that the FMU starts with, N/m.
+fn stiffness(unit: &UnitFile) -> f64 {
+    let variable = &VARIABLES[index::CONSTANT_STIFFNESS];
+    let own = unit.starts.get(variable.name).copied();
+    own.or(variable.start).unwrap_or(0.0)
+}
+
+/// Two discs on an FMU; their state is angle and rate of each beside the mean motion.
+struct Discs {
+    driven: Driven,
+    inverse_inertia: [f64; 2],
+    torque: [f64; 2],
+    /// Turn of gear 2 for a turn of gear 1.
+    ratio: f64,
+    step: f64,
+    /// Of gear 1 in its mean motion, rad.
+    angle: f64,
+    offset: [f64; 2],
+    rate: [f64; 2],
+}
+
+impl Discs {
+    fn new(
+        resources: &Arc<Resources>,
+        sweep: &Sweep,
+        stiffness: f64,
+        pitch: [f64; 2],
+        step: f64,
+    ) -> Result<Self, Refusal> {
+        let geometry = &resources.unit.geometry;
+        let ratio = -geometry.e() * geometry.gears[0].z() / geometry.gears[1].z();
+        let approach = sweep.torque / pitch[0] / stiffness;
+        let offset = match sweep.inertia[1].is_finite() {
+            true => [0.0, -approach / pitch[1] * ratio.signum()],
+            false => [approach / pitch[0], 0.0],
+        };
+        Ok(Self {
+            driven: Driven::new(resources)?,
+            inverse_inertia: sweep.inertia.map(f64::recip),
+            torque: [sweep.torque, -sweep.torque / ratio],
+            ratio,
+            step,
+            angle: 0.0,
+            offset,
+            rate: [0.0; 2],
+        })
+    }
+
+    /// Evenly from one of `speeds` to the other, rad/s.
+    fn sweep(
+        &mut self,
+        speeds: [f64; 2],
+        duration: f64,
+        progress: &dyn Fn(f64),
+    ) -> Result<History, Refusal> {
+        const REPORTS: usize = 200;
+        let step = self.step;
+        let count = (duration / step).round() as usize;
+        let change = (speeds[1] - speeds[0]) / (count.max(1) as f64 * step);
+        let mean = |time: f64| {
+            let angle = time * (speeds[0] + 0.5 * change * time);
+            (angle, speeds[0] + change * time)
+        };
+        let mut history = History::default();
+        for n in 0..count {
+            if n % (count / REPORTS).max(1) == 0 {
+                progress(n as f64 / count as f64);
+            }
+            let time = n as f64 * step;
+            let (turned, speed) = mean(time);
+            let angle = self.angle + turned;
+            let angles = [angle + self.offset[0], self.ratio * angle + self.offset[1]];
+            let rates = [speed + self.rate[0], self.ratio * speed + self.rate[1]];
+            self.driven.turn(angles, rates)?;
+            let unit = &mut self.driven.unit;
+            unit.do_step(unit.time(), step)?;
+            let [moment1, moment2, error, force, out] = self.driven.read([
+                index::GEAR1_MOMENT_3,
+                index::GEAR2_MOMENT_3,
+                index::MESH_TRANSMISSION_ERROR,
+                index::MESH_TANGENTIAL_FORCE,
+                index::MESH_OUT_OF_RANGE,
+            ])?;
+            let moments = [moment1, moment2];
+            history.time.push(time);
+            history.angle.push(angles[0]);
+            history.speed.push(rates[0]);
+            history.transmission_error.push(error);
+            history.tangential_force.push(force);
+            history.out_of_range.push(out != 0.0);
+            for i in 0..2 {
+                let acceleration = (self.torque[i] + moments[i]) * self.inverse_inertia[i];
+                history.acceleration[i].push(acceleration);
+                self.offset[i] += step * (self.rate[i] + 0.5 * step * acceleration);
+                self.rate[i] += step * acceleration;
+            }
+        }
+        self.angle += mean(count as f64 * step).0;
+        Ok(history)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::package::{Starts, shipped_tables};
+    use gearmesh::fmi::resources::UNIT_VERSION;
+
+    const SWEEP: Sweep = Sweep {
+        inertia: [4e-3; 2],
+        damping_ratio: 0.03,
+        torque: 100.0,
+        speeds: [200.0, 1000.0],
+        duration: Some(0.05),
+        step: None,
+    };
+
+    fn unit(tables: &TableFile) -> UnitFile {
+        let geometry = tables.geometry.clone();
+        let mut starts = Starts::of_tables(tables).unwrap().of_variables(&geometry);
+        starts.insert("backlash".into(), 80e-6);
+        UnitFile {
+            version: UNIT_VERSION,
+            guid: String::new(),
+            name: "pair".into(),
+            starts,
+            geometry,
+        }
+    }
+
+    fn run(sweep: &Sweep) -> Result<RunUp, Refusal> {
+        let tables = shipped_tables("palermo2013");
+        sweep.run(&unit(&tables), Some(&tables), None, &|_| {})
+    }
+
+    #[test]
+    fn the_teeth_carry_the_mean_torque_on_either_flank_at_every_speed() {
+        for torque in [100.0, -100.0] {
+            let run = run(&Sweep { torque, ..SWEEP }).unwrap();
+            for history in [&run.up, &run.down] {
+                let force = &history.tangential_force;
+                let quarter = &force[force.len() / 2..];
+                let mean = quarter.iter().sum::<f64>() / quarter.len() as f64;
+                let radius = 0.5 * 82.104e-3;
+                assert!((mean * radius / 100.0 - 1.0).abs() < 0.02, "{mean}");
+            }
+            let sign = torque.signum();
+            let errors = run.up.transmission_error.iter();
+            assert!(
+                errors
+                    .skip(run.up.time.len() / 2)
+                    .all(|error| sign * error > 0.0)
+            );
+        }
+    }
+
+    #[test]
+    fn a_constant_stiffness_rings_at_its_natural_frequency() {
+        let tables = shipped_tables("palermo2013");
+        let mut unit = unit(&tables);
+        unit.starts.insert("stiffnessModel".into(), 1.0);
+        let sweep = Sweep {
+            speeds: [0.0, 1e-6],
+            duration: Some(0.02),
+            ..SWEEP
+        };
+        let resources = Arc::new(Resources::new(unit.clone(), None, None).unwrap());
+        let run = sweep.run(&unit, None, None, &|_| {}).unwrap();
+        // Let go without load, both discs swing about the equilibrium.
+        let pitch: [f64; 2] = [0.5 * 82.104e-3; 2];
+        let stiffness =
+            run.natural_frequency.powi(2) * TAU.powi(2) / (2.0 * pitch[0].powi(2) / 4e-3);
+        let mut discs = Discs::new(&resources, &sweep, stiffness, pitch, run.step).unwrap();
+        discs.offset = [0.0; 2];
+        let history = discs.sweep([0.0, 0.0], 0.02, &|_| {}).unwrap();
+        let error = &history.transmission_error;
+        let static_error = 100.0 / pitch[0] / stiffness;
+        let crossings = error
+            .windows(2)
+            .filter(|w| w[0] < static_error && w[1] >= static_error);
+        let expected = 0.02 * run.natural_frequency;
+        assert!(
+            (crossings.count() as f64 - expected).abs() <= 1.0,
+            "{expected}"
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_swept_is_refused_with_its_value() {
+        for (sweep, part) in [
+            (
+                Sweep {
+                    speeds: [100.0, 50.0],
+                    ..SWEEP
+                },
+                "100",
+            ),
+            (
+                Sweep {
+                    inertia: [f64::INFINITY; 2],
+                    ..SWEEP
+                },
+                "inf",
+            ),
+            (
+                Sweep {
+                    torque: 0.0,
+                    ..SWEEP
+                },
+                "torque 0",
+            ),
+            (
+                Sweep {
+                    damping_ratio: f64::NAN,
+                    ..SWEEP
+                },
+                "NaN",
+            ),
+            (
+                Sweep {
+                    damping_ratio: 0.0,
+                    duration: None,
+                    ..SWEEP
+                },
+                "decays",
+            ),
+            (
+                Sweep {
+                    duration: Some(1e4),
+                    ..SWEEP
+                },
+                "steps",
+            ),
+            (
+                Sweep {
+                    step: Some(1.0),
+                    ..SWEEP
+                },
+                "step 1 s",
+            ),
+        ] {
+            let refusal = run(&sweep).unwrap_err();
+            assert!(refusal.message.contains(part), "{}", refusal.message);
+        }
+    }
+}

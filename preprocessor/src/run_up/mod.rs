@@ -288,8 +288,8 @@ impl Discs {
             history.transmission_error.push(error);
             history.tangential_force.push(force);
             history.out_of_range.push(out != 0.0);
-            for i in 0..2 {
-                let acceleration = (self.torque[i] + moments[i]) * self.inverse_inertia[i];
+            for (i, moment) in moments.into_iter().enumerate() {
+                let acceleration = (self.torque[i] + moment) * self.inverse_inertia[i];
                 history.acceleration[i].push(acceleration);
                 self.offset[i] += step * (self.rate[i] + 0.5 * step * acceleration);
                 self.rate[i] += step * acceleration;

@@ -36,14 +36,33 @@ $(VENV)/bin/fmi-sim: | $(VENV)/.bindgen
 	$(CARGO) install --quiet --locked --debug --root $(VENV) fmi-sim@0.7.0
 
 # Other simulators, for examples/drivelines and examples/hosts.
-$(VENV)/.examples-complete: $(VENV)/.tests-complete $(VENV)/bin/fmi-sim requirements-examples.txt
+$(VENV)/.examples-packages: $(VENV)/.tests-complete requirements-examples.txt
 	scripts/setup.sh requirements-test.txt requirements-examples.txt
 	$(VENV)/bin/python scripts/without_display.py
+	touch $@
+
+$(VENV)/.examples-complete: $(VENV)/.examples-packages $(VENV)/bin/fmi-sim
 	touch $@
 
 # The command target/release/gearmesh and the FMU's library beside it.
 build:
 	$(CARGO) build --release --package gearmesh --package gearmesh-command
+
+# Every list of packages resolves for the lowest Python that README promises, in its first release.
+LOWEST_PYTHON := $(shell sed -n 's/^- Python \([0-9.]*\) or later.*/\1.0/p' README.md)
+LISTS := $(filter-out requirements-windows.txt,$(wildcard requirements*.txt))
+.PHONY: floor
+floor: setup
+	for list in $(LISTS); do \
+	    $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --dry-run --no-deps --ignore-installed --only-binary=:all: \
+	        --python-version $(LOWEST_PYTHON) --target target/none --requirement $$list || \
+	        { echo "make: $$list does not resolve for Python $(LOWEST_PYTHON), which README promises" >&2; exit 1; } \
+	done
+
+# Whatever is to be had from elsewhere, so that what is missing shows before anything is compiled.
+.PHONY: packages
+packages: floor $(VENV)/.bindgen $(VENV)/.docs-complete $(VENV)/.examples-packages
+	$(CARGO) fetch --quiet --locked
 
 # What the lints need beside what a build needs, said before any work.
 .PHONY: tools
@@ -52,7 +71,7 @@ tools:
 	@$(CARGO) clippy --version >/dev/null 2>&1 || { echo "make: clippy is missing: rustup component add clippy (Debian: apt install rust-clippy)" >&2; exit 1; }
 
 # Cheapest first. The lints share their compiled dependencies, and so do build and tests.
-lint: tools setup $(VENV)/.bindgen
+lint: tools floor $(VENV)/.bindgen
 	$(VENV)/bin/python scripts/imports.py
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
@@ -63,7 +82,7 @@ lint: tools setup $(VENV)/.bindgen
 licenses: setup
 	$(VENV)/bin/python scripts/licenses.py
 
-# The pages of docs/ as a site in target/site, with links, lengths and figures checked.
+# The pages of docs/ as a site in target/site, with links and figures checked.
 .PHONY: docs
 docs: build $(VENV)/.docs-complete
 	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --quiet --strict
@@ -74,7 +93,7 @@ $(VENV)/.docs-complete: $(VENV)/.complete requirements-docs.txt
 	touch $@
 
 # The build comes first: the tests of the command line pack the library that lies beside it.
-test: lint build docs $(VENV)/.examples-complete
+test: tools packages lint build docs $(VENV)/.examples-complete
 	$(CARGO) test --release --workspace
 	$(VENV)/bin/python -m pytest -q tests/python
 

@@ -1,7 +1,6 @@
-"""`python -m scripts.docs.check [SITE]`: holds the pages to what a reader can take in, and their figures to the data.
+"""`python -m scripts.docs.check [SITE]`: holds the figures of the pages to the data.
 
-Words by page and in all, rows of tables, mean length of sentences; figures of docs/data/headlines.csv; links of pages
-outside the site; and that the pages of SITE load nothing from elsewhere.
+Figures of docs/data/headlines.csv, links of pages outside the site, and that the pages of SITE load nothing from elsewhere.
 """
 
 from __future__ import annotations
@@ -13,8 +12,6 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MOST_WORDS, MOST_WORDS_OF_PAGE, MOST_WORDS_OF_README = 16_000, 2_000, 1_100
-MOST_ROWS, LONGEST_MEAN_SENTENCE = 12, 18.0
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -23,45 +20,6 @@ def pages() -> dict[str, str]:
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"]
     names = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     return {name: (ROOT / name).read_text(encoding="utf-8") for name in sorted(set(names)) if (ROOT / name).exists()}
-
-
-def words(texts: dict[str, str]) -> list[str]:
-    found = []
-    counts = {name: len(text.split()) for name, text in texts.items()}
-    for name, count in counts.items():
-        most = MOST_WORDS_OF_README if name == "README.md" else MOST_WORDS_OF_PAGE
-        if count > most:
-            found.append(f"{name}: {count} words, at most {most}")
-    if sum(counts.values()) > MOST_WORDS:
-        found.append(f"all pages: {sum(counts.values())} words, at most {MOST_WORDS}")
-    return found
-
-
-def tables(name: str, text: str) -> list[str]:
-    found = []
-    for table in re.findall(r"(?:^\|.*\n)+", text + "\n", re.M):
-        rows = table.count("\n") - 2
-        if rows > MOST_ROWS:
-            found.append(f"{name}: a table of {rows} rows, at most {MOST_ROWS}: {table.splitlines()[0]}")
-    return found
-
-
-def sentences(text: str) -> list[str]:
-    """Prose in sentences: without code, tables, headings, pictures and displayed equations."""
-    text = re.sub(r"^```.*?^```$|^\$\$.*?\$\$|<!--.*?-->", "\n\n", text, flags=re.M | re.S)
-    text = re.sub(r"^(#.*|\|.*|!\[.*|\[[^\]]*\]\([^)]*\.csv\))$", "", text, flags=re.M)
-    text = re.sub(r"\$[^$]+\$", "x", text)
-    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
-    found = []
-    for paragraph in re.split(r"\n\s*\n|^\s*(?:[-*]|\d+\.) ", text, flags=re.M):
-        found += [s for s in re.split(r"(?<=[.!?])(?:\*\*)?\s+", " ".join(paragraph.split())) if len(s.split()) > 1]
-    return found
-
-
-def long_sentences(name: str, text: str) -> list[str]:
-    lengths = [len(sentence.split()) for sentence in sentences(text)]
-    mean = sum(lengths) / max(len(lengths), 1)
-    return [f"{name}: sentences of {mean:.1f} words in the mean, at most {LONGEST_MEAN_SENTENCE:g}"] if mean > LONGEST_MEAN_SENTENCE else []
 
 
 def anchors(text: str) -> set[str]:
@@ -133,9 +91,8 @@ def from_elsewhere(site: Path) -> list[str]:
 
 def main() -> int:
     texts = pages()
-    found = words(texts) + headlines(texts)
+    found = headlines(texts)
     for name, text in texts.items():
-        found += tables(name, text) + long_sentences(name, text)
         if not name.startswith("docs/"):
             found += dead_links(name, text, texts)
     if len(sys.argv) > 1:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import json
 import logging
 import shutil
+import tempfile
 import threading
 import weakref
+import zipfile
 from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -21,6 +24,9 @@ from .errors import GearPairError
 from .geometry import Geometry
 
 WARNING = 1  # fmi2Status: what is above was refused
+LAST_SUCCESSFUL_TIME = 2  # fmi2StatusKind
+#: Bytes that all files of an archive may unfold into together: some dozens of times the tables of a pair.
+MOST_BYTES = 1 << 30
 INTERFACES = {"co-simulation": FMU2Slave, "model-exchange": FMU2Model}
 SCALARS = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
 # The FMU always logs with the format "%s" and one text.
@@ -71,21 +77,25 @@ class GearPair:
         unpacked = _Unpacked.of(fmu)
         description, self.geometry = unpacked.description, unpacked.geometry
         self._variables = {v.name: v for v in description.modelVariables}
-        instance: Any = INTERFACES[interface](  # of fmpy, which has no types
-            guid=description.guid,
-            unzipDirectory=unpacked.folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=Path(fmu).stem,
-        )
+        try:
+            instance: Any = INTERFACES[interface](  # of fmpy, which has no types
+                guid=description.guid,
+                unzipDirectory=unpacked.folder,
+                modelIdentifier=description.coSimulation.modelIdentifier,
+                instanceName=Path(fmu).stem,
+            )
+        except Exception as error:
+            raise GearPairError(f"{fmu}: its library for this platform cannot be loaded: {error}; `gearmesh inspect` lists its platforms") from error
         # fmpy's own callbacks print; these keep the causes of refusals. The FMU needs no other callback.
         self._log = log = deque[str](maxlen=8)
+        self._warnings = warnings = deque[str]()
 
         @LOGGER
         def logger(_environment: Any, _name: bytes, status: int, _category: bytes, _format: bytes, text: bytes) -> None:
             if status > WARNING:
                 log.append(text.decode(errors="replace"))
             elif status == WARNING:
-                logging.getLogger("gearmesh").warning(text.decode(errors="replace"))
+                warnings.append(text.decode(errors="replace"))
 
         callbacks = fmi2CallbackFunctions()
         callbacks.logger = ctypes.cast(logger, type(callbacks.logger))
@@ -94,7 +104,9 @@ class GearPair:
         except Exception as error:
             fmpy.freeLibrary(instance.dll._handle)
             raise GearPairError("; ".join([str(error), *log])) from error
-        self._lock = threading.Lock()
+        # A signal handler may close the pair while its thread is in a call.
+        self._lock = threading.RLock()
+        self._warn()
         self._component = ctypes.c_void_p(instance.component)
         # The same library with functions of our own: fmpy gives its own argument types, which cost time at every call.
         self._library = ctypes.CDLL(instance.dll._name, handle=instance.dll._handle)
@@ -131,10 +143,19 @@ class GearPair:
         with self._lock:
             if not self._component:
                 raise GearPairError(f"{name}: the pair is closed")
+            refused = None
             if getattr(self._library, name)(self._component, *arguments) > WARNING:
-                texts = [f"{name} at t = {self.time} s", *self._log]
+                refused = GearPairError(f"{name} at t = {self.time!r} s: {'; '.join(self._log)}")
                 self._log.clear()
-                raise GearPairError(f"{texts[0]}: {'; '.join(texts[1:])}")
+        if self._warnings:
+            self._warn()
+        if refused:
+            raise refused
+
+    def _warn(self) -> None:
+        """Hands on what the FMU warned of, when no call is under way: a handler may use the pair itself."""
+        while self._warnings:
+            logging.getLogger("gearmesh").warning(self._warnings.popleft())
 
     def _scalar(self, verb: Literal["Get", "Set"], variable: Any, value: float = 0) -> float:
         """Gets or sets one value by the call for its type in modelDescription.xml."""
@@ -186,9 +207,23 @@ class GearPair:
         other outputs belong to `u`. With `coupling` = held the loads do, too: for poses along a given motion.
         """
         self._call("fmi2SetReal", *self._inputs)
-        self._call("fmi2DoStep", ctypes.c_double(self.time), ctypes.c_double(size), 1)
-        self.time += size
-        self._call("fmi2GetReal", *self._outputs)
+        try:
+            self._call("fmi2DoStep", ctypes.c_double(self.time), ctypes.c_double(size), 1)
+            self.time += size
+            self._call("fmi2GetReal", *self._outputs)
+        except GearPairError:
+            raise
+        except BaseException:  # such as Ctrl-C, which may come before or after the FMU has stepped
+            self._catch_up()
+            raise
+
+    def _catch_up(self) -> None:
+        """Takes time and outputs from the FMU."""
+        with contextlib.suppress(GearPairError):  # closed meanwhile
+            time = ctypes.c_double()
+            self._call("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(time))
+            self.time = time.value
+            self._call("fmi2GetReal", *self._outputs)
 
     def evaluate(self, time: float) -> None:
         """Hands over `u` and fetches the outputs that belong to it at `time`, s (Model Exchange)."""
@@ -264,7 +299,7 @@ def _start(variable: Any) -> float | bool | str:
     return _items(variable).get(int(number), number)
 
 
-def _free(instance: Any, component: ctypes.c_void_p, lock: threading.Lock, *_used: object) -> None:
+def _free(instance: Any, component: ctypes.c_void_p, lock: threading.RLock, *_used: object) -> None:
     """Frees an instance when no call is under way and makes `component` null; `_used` is what it needs until then."""
     with lock:
         component.value = None
@@ -283,20 +318,37 @@ class _Unpacked:
     """An archive unpacked once for all its instances, which share library and tables in memory; its folder goes with the last of them."""
 
     def __init__(self, file: Path) -> None:
-        self.folder: str = fmpy.extract(str(file))
-        weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+        with zipfile.ZipFile(file) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+            if size > MOST_BYTES:
+                raise GearPairError(f"its files unfold into {size >> 20} MB, more than {MOST_BYTES >> 20} MB")
+            self.folder: str = tempfile.mkdtemp(prefix="gearmesh-")
+            weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+            archive.extractall(self.folder)
         self.description: Any = fmpy.read_model_description(self.folder)
         unit = json.loads(Path(self.folder, "resources", "unit.json").read_text(encoding="utf-8"))
         self.geometry = Geometry.of_unit(unit["geometry"])
 
     @staticmethod
     def of(fmu: str | Path) -> _Unpacked:
-        """The archive as it is now: one that was written anew is another one."""
-        path = Path(fmu).resolve()
-        status = path.stat()
-        key = (path, status.st_mtime_ns, status.st_size)
-        with _LOCK:
-            unpacked = _UNPACKED.get(key)
-            if unpacked is None:
-                unpacked = _UNPACKED[key] = _Unpacked(path)
-            return unpacked
+        """The archive as it is now: one that was written anew is another one.
+
+        Raises
+        ------
+        GearPairError
+            The file cannot be read, or is no FMU of gearmesh.
+        """
+        try:
+            path = Path(fmu).resolve()
+            if not path.is_file() and path.exists():
+                raise GearPairError("it is no file")
+            status = path.stat()
+            key = (path, status.st_mtime_ns, status.st_size)
+            with _LOCK:
+                unpacked = _UNPACKED.get(key)
+                if unpacked is None:
+                    unpacked = _UNPACKED[key] = _Unpacked(path)
+                return unpacked
+        except Exception as error:  # of zipfile, its decompressors, fmpy, XML and JSON: whatever a damaged file can cause
+            cause = f"it has no {error}" if isinstance(error, KeyError) else str(error) or type(error).__name__
+            raise GearPairError(f"{fmu}: {cause}; name an FMU that `gearmesh build` or `gearmesh pack` wrote") from error

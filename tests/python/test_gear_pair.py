@@ -2,11 +2,15 @@
 
 import copy
 import gc
+import logging
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
 
 import gearmesh
@@ -233,3 +237,168 @@ def test_an_archive_written_anew_is_another_one(fmu, tmp_path):
         gearmesh.pack(PAIRS / "fzg-c.json", file)
         with GearPair(file) as new:
             assert list(new.u) != list(old.u)  # they start with gear 2 at the centre distance
+
+
+class Handler(logging.Handler):
+    """Hands every record to a function, and what that raises to the one who logs."""
+
+    def __init__(self, act):
+        super().__init__()
+        self.act = act
+
+    def emit(self, record):
+        self.act(record)
+
+
+@pytest.mark.parametrize("use", ["get", "set_parameter", "step", "close"])
+def test_a_handler_of_the_logger_may_use_the_pair_that_warns(fmus, use):
+    seen = []
+    with GearPair(fmus["palermo2013"]) as pair:
+        pair.initialize()
+
+        def act(record):
+            seen.append(record.getMessage())
+            handler.act = lambda record: None
+            pair[pair_input] = nominal
+            {
+                "get": lambda: pair["mesh.outOfRange"],
+                "set_parameter": lambda: pair.set_parameter("damping", 500.0),
+                "step": lambda: pair.derivatives(["gear1.moment[3]"], ["gear1.angles[3]"]),
+                "close": pair.close,
+            }[use]()
+
+        pair_input = "gear2.position[1]"
+        nominal = pair.u[pair.input[pair_input]]
+        handler, logger = Handler(act), logging.getLogger("gearmesh")
+        logger.addHandler(handler)
+        try:
+            pair[pair_input] = nominal + 2e-3  # further apart than the tables
+            step = ThreadPoolExecutor(1).submit(pair.step, 1e-6)
+            if use == "close":
+                with pytest.raises(GearPairError, match="closed"):
+                    step.result(timeout=60)
+            else:
+                step.result(timeout=60)
+        finally:
+            logger.removeHandler(handler)
+    assert seen and "range" in seen[0]
+
+
+def test_a_step_that_an_interrupt_cuts_leaves_time_and_outputs_that_belong_together(fmu, monkeypatch):
+    """Before the FMU has stepped, and between that and the fetching of its outputs."""
+    call = GearPair._call
+    for interrupted, steps in (("fmi2SetReal", 0), ("fmi2DoStep before", 0), ("fmi2DoStep", 1), ("fmi2GetReal", 1)):
+        with GearPair(fmu) as pair, GearPair(fmu) as whole:
+            turned(pair).step(1e-6)
+            turned(whole).step(1e-6)
+            done = []
+
+            def interrupting(self, name, *arguments):
+                if self is pair and not done and name == interrupted.partition(" ")[0]:
+                    done.append(name)
+                    if " before" not in interrupted:
+                        call(self, name, *arguments)
+                    raise KeyboardInterrupt
+                return call(self, name, *arguments)
+
+            pair["gear2.angles[3]"] = whole["gear2.angles[3]"] = 1.1e-3
+            monkeypatch.setattr(GearPair, "_call", interrupting)
+            with pytest.raises(KeyboardInterrupt):
+                pair.step(1e-6)
+            assert pair.time == (1 + steps) * 1e-6
+            for _ in range(2 - steps):
+                pair.step(1e-6)
+            for _ in range(2):
+                whole.step(1e-6)
+            assert (pair.time, list(pair.y)) == (whole.time, list(whole.y)), interrupted
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+def test_steps_go_on_after_every_real_interrupt_and_a_signal_handler_may_close_the_pair(fmu):
+    with GearPair(fmu) as pair:
+        turned(pair)
+        stop = threading.Event()
+
+        def interrupt():
+            while not stop.wait(2e-3):
+                os.kill(os.getpid(), signal.SIGINT)
+
+        class Cut(BaseException):
+            pass
+
+        def cut(*_):
+            raise Cut
+
+        before, count, steps = signal.signal(signal.SIGINT, cut), 0, 0
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        try:
+            while count < 100:
+                try:
+                    while True:
+                        pair.step(1e-7)
+                        steps += 1
+                except Cut:
+                    count += 1
+        except Cut:
+            pass
+        finally:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+            stop.set()
+            thread.join()
+            signal.signal(signal.SIGINT, before)
+        pair.step(1e-7)
+        assert steps > 100
+        closed = signal.signal(signal.SIGUSR1, lambda *_: pair.close())
+        try:
+            with pair._lock:
+                signal.raise_signal(signal.SIGUSR1)
+        finally:
+            signal.signal(signal.SIGUSR1, closed)
+        with pytest.raises(GearPairError, match="closed"):
+            pair.step(1e-7)
+
+
+def no_fmus(folder, fmu):
+    """Files that are no FMU of gearmesh, by what they are."""
+
+    def archive(name, change):
+        with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(folder / name, "w") as new:
+            for entry in old.infolist():
+                found = change(entry.filename, old.read(entry))
+                if found is not None:
+                    new.writestr(entry.filename, found)
+        return folder / name
+
+    whole = fmu.read_bytes()
+    for name, data in {"text.fmu": b"no archive", "empty.fmu": b"", "cut.fmu": whole[: len(whole) // 2]}.items():
+        (folder / name).write_bytes(data)
+        yield folder / name
+    middle = bytearray(whole)
+    middle[200:2000] = bytes(1800)
+    (folder / "damaged.fmu").write_bytes(middle)
+    yield folder / "damaged.fmu"
+    yield folder / "missing.fmu"
+    yield folder
+    for part in ("modelDescription.xml", "resources/unit.json", "binaries/"):
+        yield archive(f"without-{part.strip('/').replace('/', '-')}.fmu", lambda name, data: None if name.startswith(part) else data)
+    for part, data in {"modelDescription.xml": b"<x/>", "resources/unit.json": b"[1, 2]", "binaries/": b"no library"}.items():
+        yield archive(f"other-{part.strip('/').replace('/', '-')}.fmu", lambda name, old: data if name.startswith(part) else old)
+    with zipfile.ZipFile(folder / "bomb.fmu", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as bomb:
+        for i in range(5):
+            with bomb.open(f"{i}", "w") as entry:
+                for _ in range(240):
+                    entry.write(bytes(1 << 20))
+    yield folder / "bomb.fmu"
+
+
+def test_a_file_that_is_no_fmu_is_refused_by_name_and_leaves_no_files(fmu, tmp_path, unpacked):
+    folder = tmp_path / "files"
+    folder.mkdir()
+    for file in no_fmus(folder, fmu):
+        with pytest.raises(GearPairError) as refused:
+            GearPair(file)
+        assert str(refused.value).startswith(f"{file}: ") and "gearmesh" in str(refused.value), file
+        refused = None
+        gc.collect()
+        assert not unpacked(), file

@@ -277,8 +277,14 @@ impl Instance {
                 continue;
             }
             let i = find(kind, reference)?;
-            self.check_settable(&VARIABLES[i])?;
-            check_value(&VARIABLES[i], value)?;
+            let variable = &VARIABLES[i];
+            // Hosts that write all tunable parameters at every step change nothing by it.
+            let is_kept = variable.variability == Variability::Tunable
+                && self.state.parameters[i - FIRST_PARAMETER] == value;
+            if !is_kept {
+                self.check_settable(variable)?;
+            }
+            check_value(variable, value)?;
             parameters.get_or_insert(self.state.parameters)[i - FIRST_PARAMETER] = value;
         }
         if let Some(parameters) = parameters {
@@ -473,15 +479,21 @@ impl Instance {
         let mut slopes = self.along(&rows, &direction)?;
         for (slope, row) in slopes.iter_mut().zip(rows) {
             *slope += by_parameters[row];
+            if !slope.is_finite() {
+                return Err(self.not_finite("the derivative of ", row));
+            }
         }
         Ok(slopes)
     }
 
     /// Derivatives of the outputs by the Real parameter `i`: by differences, from one side where the other is no value of
     /// it.
-    fn by_parameter(&self, i: usize) -> Result<[f64; CONTINUOUS_OUTPUTS], Refusal> {
+    fn by_parameter(&mut self, i: usize) -> Result<[f64; CONTINUOUS_OUTPUTS], Refusal> {
         /// Of the larger one of value and nominal value.
         const STEP: f64 = 1e-5;
+        const POSITION: usize = index::MESH_POSITION - INPUTS;
+        // While this instance has its element, the others share the interpolants of its tables.
+        self.ready()?;
         let value = self.state.parameters[i - FIRST_PARAMETER];
         let step = STEP * value.abs().max(VARIABLES[i].nominal);
         let with = |x: f64| -> Result<_, Refusal> {
@@ -494,7 +506,10 @@ impl Instance {
         let (high, above) = with(value + step).or_else(|_| with(value))?;
         let (low, below) = with(value - step).or_else(|_| with(value))?;
         Ok(std::array::from_fn(|row| {
-            (above[row] - below[row]) / (high - low)
+            let change = above[row] - below[row];
+            // The mesh position goes on at 0 where it ends at 1.
+            let turns = if row == POSITION { change.round() } else { 0.0 };
+            (change - turns) / (high - low)
         }))
     }
 

@@ -281,6 +281,72 @@ fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
 }
 
 #[test]
+fn the_derivative_of_the_mesh_position_goes_on_through_its_seam() {
+    let mut instance = constant_stiffness(Interface::CoSimulation);
+    let position = [reference(index::MESH_POSITION)];
+    // A pitch of 20 teeth is 2 pi / 20 of phase.
+    let right = 20.0 / std::f64::consts::TAU;
+    for phase in [0.0, 0.1, std::f64::consts::TAU / 20.0] {
+        set(&mut instance, index::MESH_PHASE, phase);
+        let known = [reference(index::MESH_PHASE)];
+        let slopes = instance.directional_derivative(&position, &known, &[1.0]);
+        let slope = slopes.unwrap()[0];
+        assert!((slope / right - 1.0).abs() < 1e-6, "{phase}: {slope}");
+    }
+}
+
+#[test]
+fn a_derivative_that_overflows_is_refused_with_its_output() {
+    let mut instance = constant_stiffness(Interface::CoSimulation);
+    let absolute = [reference(index::PHASE_REFERENCE)];
+    instance.set(Kind::Enumeration, &absolute, &[2]).unwrap();
+    let turn = -std::f64::consts::PI / 20.0;
+    set(&mut instance, index::GEAR1_ANGLES_3, turn + 1e-4);
+    let unknown = [reference(index::MESH_NORMAL_FORCE)];
+    for i in [
+        index::CONSTANT_STIFFNESS,
+        index::BACKLASH,
+        index::MESH_PHASE,
+        index::GEAR1_ANGLES_3,
+    ] {
+        let found = instance.directional_derivative(&unknown, &[reference(i)], &[1e308]);
+        let is_right = match &found {
+            Ok(slopes) => slopes[0].is_finite(),
+            Err(refused) => refused.message.contains("mesh.normalForce"),
+        };
+        assert!(is_right, "{}: {found:?}", VARIABLES[i].name);
+    }
+}
+
+#[test]
+fn derivatives_by_parameters_share_the_interpolants_of_the_tables() {
+    let (mut instance, _) = on_tables(Interface::CoSimulation);
+    let unknown = [reference(index::MESH_NORMAL_FORCE)];
+    let known = [reference(index::DAMPING)];
+    instance
+        .directional_derivative(&unknown, &known, &[1.0])
+        .unwrap();
+    assert_eq!(instance.resources.interpolants(), 1);
+}
+
+#[test]
+fn a_tunable_parameter_may_be_set_to_its_own_value_at_any_time() {
+    let mut instance = constant_stiffness(Interface::ModelExchange);
+    let damping = get(&mut instance, index::DAMPING);
+    instance.exit_initialization().unwrap();
+    instance.state.state = State::ContinuousTimeMode;
+    let write = |instance: &mut Instance, value: f64| {
+        instance.set(Kind::Real, &[reference(index::DAMPING)], &[value])
+    };
+    write(&mut instance, damping).unwrap();
+    let refused = write(&mut instance, damping + 1.0).unwrap_err();
+    assert!(
+        refused.message.contains("changes at events only"),
+        "{refused}"
+    );
+}
+
+#[test]
 fn numbers_out_of_all_proportion_are_refused_in_few_digits() {
     for (i, value) in [
         (index::CONSTANT_STIFFNESS, 1e308),

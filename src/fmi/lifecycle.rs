@@ -119,6 +119,9 @@ impl Function {
 /// count in nanoseconds.
 const ROUNDINGS: f64 = 16.0;
 
+/// The same over the step: hosts that add up their steps, or print and read their times, slip by that much.
+const SLIP: f64 = 1e-6;
+
 /// Where the simulation stands.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clock {
@@ -168,7 +171,7 @@ impl Clock {
                 "communicationStepSize = {step}; it must be positive and finite"
             ));
         }
-        let follows = (point - self.time).abs() <= self.tolerance(point); // never for NaN
+        let follows = (point - self.time).abs() <= self.tolerance(point, step); // never for NaN
         if !follows {
             return refuse(format!(
                 "currentCommunicationPoint = {point}, but the last step ended at {}; restore a stored state to go back",
@@ -196,14 +199,14 @@ impl Clock {
         })
     }
 
-    /// Largest distance of the host's `point` from ours: roundings of additions, and less than half the
-    /// last step, so that no step is ever taken twice however short it is.
-    fn tolerance(&self, point: f64) -> f64 {
+    /// Largest distance of the host's `point` from ours: roundings of additions or a slip that is small against the `step`, and less
+    /// than half the last step, so that no step is ever taken twice however short it is.
+    fn tolerance(&self, point: f64, step: f64) -> f64 {
         // Near time 0 the summands are larger than the sum.
         let size = self.start.abs().max(self.time.abs()).max(point.abs());
-        let rounding = ROUNDINGS * f64::EPSILON * size;
+        let slip = (SLIP * step).max(ROUNDINGS * f64::EPSILON * size);
         let half = |previous| 0.5 * (self.time - previous);
-        self.previous.map_or(rounding, |p| rounding.min(half(p)))
+        self.previous.map_or(slip, |p| slip.min(half(p)))
     }
 }
 
@@ -286,6 +289,18 @@ mod tests {
                 assert!(once.after(next, h).is_ok(), "t = {time}, h = {h}");
             }
         }
+    }
+
+    #[test]
+    fn a_slip_that_is_small_against_the_step_is_the_same_point() {
+        let mut clock = started(0.0);
+        for n in 0..295_000 {
+            clock = clock.after(f64::from(n) * 1e-5, 1e-5).unwrap();
+        }
+        let slipped = clock.after(2.950000000003, 1e-5).unwrap();
+        assert_eq!(slipped.time, 2.950000000003 + 1e-5);
+        let refused = clock.after(2.95 + 2e-11, 1e-5).unwrap_err().message;
+        assert!(refused.contains("restore a stored state"), "{refused}");
     }
 
     #[test]

@@ -123,6 +123,13 @@ impl Resources {
         Ok(Element::new(geometry, parameters, table)?)
     }
 
+    /// Number of interpolants in use.
+    #[cfg(test)]
+    pub(super) fn interpolants(&self) -> usize {
+        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        made.iter().filter(|table| table.strong_count() > 0).count()
+    }
+
     /// One table in memory for all who ask for the same `effects`, while one of them still holds it.
     fn table(&self, file: &Arc<TableFile>, effects: Effects) -> Result<Arc<Table>, TableError> {
         let suits = |table: &Table| table.effects == effects;
@@ -222,7 +229,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
             unit.guid
         )));
     }
-    let tables = folder.join(TABLES_FILE).exists().then(|| {
+    let tables = is_there(folder, TABLES_FILE).then(|| {
         read_file(folder, TABLES_FILE, |bytes| {
             let text = str::from_utf8(bytes).map_err(|error| error.to_string())?;
             let tables = TableFile::from_json(text).map_err(|error| error.to_string())?;
@@ -232,10 +239,15 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
             Ok(tables)
         })
     });
-    let contact = folder.join(CONTACT_FILE).exists();
+    let contact = is_there(folder, CONTACT_FILE);
     let contact = contact.then(|| read_file(folder, CONTACT_FILE, ContactFile::from_bytes));
     Resources::new(unit, tables.transpose()?, contact.transpose()?)
         .map_err(|reason| unusable(&folder.join(UNIT_FILE), reason))
+}
+
+/// Whether `folder` has an entry of this `name`, be it a link that leads nowhere: such a file is damaged, not left out.
+fn is_there(folder: &Path, name: &str) -> bool {
+    fs::symlink_metadata(folder.join(name)).is_ok()
 }
 
 /// Reads the bytes of a [`UNIT_FILE`].
@@ -253,8 +265,8 @@ pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
     Ok(unit)
 }
 
-/// Largest file of an FMU, bytes: some hundred times those of the shipped pairs.
-const LARGEST: u64 = 1 << 30;
+/// Largest file of an FMU, bytes: some hundred times those of the shipped pairs, and as much as packing reads.
+pub const LARGEST: u64 = 256 << 20;
 
 /// What `parse` makes of the file `name` in `folder`. What is no file is not opened: a pipe would never answer.
 fn read_file<T>(
@@ -313,9 +325,29 @@ mod tests {
             .unwrap();
         let said = load();
         assert!(
-            said.contains("1073741825 bytes, more than 1073741824"),
+            said.contains("268435457 bytes, more than 268435456"),
             "{said}"
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_that_leads_nowhere_is_no_missing_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let unit = on_table([8, 1, 1, 6], &[]).resources.unit.clone();
+        let text = serde_json::to_string(&unit).unwrap();
+        fs::write(folder.path().join(UNIT_FILE), text).unwrap();
+        let uri = format!("file://{}", folder.path().display());
+        for name in [TABLES_FILE, CONTACT_FILE] {
+            let link = folder.path().join(name);
+            std::os::unix::fs::symlink("nowhere", &link).unwrap();
+            let error = load(&uri, &unit.guid).unwrap_err().to_string();
+            assert!(
+                error.contains(name) && error.contains("cannot read"),
+                "{error}"
+            );
+            fs::remove_file(&link).unwrap();
+        }
     }
 
     #[test]

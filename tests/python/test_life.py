@@ -5,10 +5,12 @@ import math
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
+import gearmesh
 import numpy as np
 import pytest
-from conftest import FORMULATIONS, COUPLINGS, EXTERNAL_AND_INTERNAL
+from conftest import ALIGNED, COUPLINGS, EXTERNAL_AND_INTERNAL, FORMULATIONS, PAIRS, QUICK
 from differences import by_differences, columns_by_kind, jacobian, variables
 from host import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, OK, EventInfo
 
@@ -338,3 +340,13 @@ def test_sixty_four_instances_on_eight_threads_give_what_each_gives_alone(units)
         together = list(pool.map(work, range(64)))
     alone = [work(number) for number in range(4)]
     assert together == 16 * alone and alone[0] != alone[1]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="fenv.h of glibc")
+def test_a_host_that_traps_floating_point_exceptions_or_rounds_otherwise_gets_the_same_numbers(tmp_path):
+    levels = gearmesh.build(PAIRS / "palermo2013.json", tmp_path / "levels.fmu", **QUICK, **ALIGNED, friction=True, root_stress=True, teeth=True, contact=True)
+    run = [sys.executable, Path(__file__).with_name("floats.py"), levels]
+    usual, *others = (subprocess.run([*run, mode], capture_output=True, text=True) for mode in ("usual", "traps", "upward"))
+    assert len(usual.stdout) == 65, usual.stderr
+    for other in others:
+        assert (other.returncode, other.stdout) == (0, usual.stdout), other.stderr

@@ -96,6 +96,15 @@ impl InputValues {
         self.values.as_flattened_mut()[i] = value;
     }
 
+    /// Sets the inputs from `first` on.
+    #[inline]
+    pub fn set_from(&mut self, first: usize, values: impl Iterator<Item = f64>) {
+        let inputs = &mut self.values.as_flattened_mut()[first..];
+        for (input, value) in inputs.iter_mut().zip(values) {
+            *input = value;
+        }
+    }
+
     /// Sets the derivative of `order` (1 to [`MAXIMUM_ORDER`]) of input `i` for the coming step.
     pub fn set_derivative(&mut self, i: usize, order: usize, value: f64) {
         if std::mem::take(&mut self.derivatives_spent) {

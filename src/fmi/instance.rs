@@ -13,8 +13,8 @@ use super::parameters::Settings;
 use super::resources::Resources;
 use super::state::{InstanceState, new_handle, unknown};
 use super::variables::{
-    Causality, FIRST_PARAMETER, INPUTS, Kind, VARIABLES, Variability, Variable, check_finite,
-    check_value, find, index, index_of, output_row,
+    Causality, FIRST_PARAMETER, INPUTS, Kind, VARIABLES, Variability, Variable, block_of,
+    check_finite, check_value, find, index, index_of, output_row,
 };
 use super::{Refusal, Severity};
 use crate::element::{
@@ -266,14 +266,21 @@ impl Instance {
         references: &[u32],
         values: &[T],
     ) -> Result<(), Refusal> {
+        // Most hosts set all inputs in every step: they are Real, always settable and unbounded (tested in `variables`).
+        let block = block_of(references).filter(|block| kind == Kind::Real && block.end <= INPUTS);
+        let numbers = values.iter().map(|&value| value.into());
+        if let Some(block) = block
+            && numbers.clone().all(f64::is_finite)
+        {
+            self.state.inputs.set_from(block.start, numbers);
+            self.moved();
+            return Ok(());
+        }
         let mut parameters = None;
         for (&reference, &value) in references.iter().zip(values) {
             let value = value.into();
-            // Most hosts set all inputs in every step: they are Real, always settable and unbounded (tested in `variables`).
-            if index_of(reference).is_some_and(|i| i < INPUTS)
-                && kind == Kind::Real
-                && value.is_finite()
-            {
+            let is_input = index_of(reference).is_some_and(|i| i < INPUTS);
+            if is_input && kind == Kind::Real && value.is_finite() {
                 continue;
             }
             let i = find(kind, reference)?;
@@ -298,12 +305,21 @@ impl Instance {
                 moved = true;
             }
         }
+        match moved {
+            true => self.moved(),
+            false => self.changed(),
+        }
+        Ok(())
+    }
+
+    /// Inputs have changed.
+    #[inline]
+    fn moved(&mut self) {
         // The loads of the last step go on acting where everyone steps at once.
-        if moved && self.settings.coupling != Coupling::Parallel {
+        if self.settings.coupling != Coupling::Parallel {
             self.state.loads = None;
         }
         self.changed();
-        Ok(())
     }
 
     fn check_settable(&self, variable: &Variable) -> Result<(), Refusal> {
@@ -335,13 +351,20 @@ impl Instance {
         references: &[u32],
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
-        for &reference in references {
-            let i = find(kind, reference)?;
-            put(match output_row(i) {
-                Some(row) => self.outputs()?.rows[row],
-                None if i < INPUTS => self.state.inputs.get(i),
-                None => self.state.parameters[i - FIRST_PARAMETER],
-            });
+        let block =
+            block_of(references).filter(|block| kind == Kind::Real && block.start >= INPUTS);
+        if let Some(block) = block {
+            let rows = &self.outputs()?.rows[block.start - INPUTS..block.end - INPUTS];
+            rows.iter().copied().for_each(put);
+        } else {
+            for &reference in references {
+                let i = find(kind, reference)?;
+                put(match output_row(i) {
+                    Some(row) => self.outputs()?.rows[row],
+                    None if i < INPUTS => self.state.inputs.get(i),
+                    None => self.state.parameters[i - FIRST_PARAMETER],
+                });
+            }
         }
         // In Initialization Mode poses may be on their way to the start.
         if self.state() != State::InitializationMode {
@@ -649,13 +672,14 @@ impl Instance {
 
     /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
     fn watch_range(&mut self) {
-        let Some(present) = self.outputs.as_ref().map(|outputs| outputs.all) else {
+        let Some(outputs) = &self.outputs else {
             return;
         };
-        let out_of_range = present.out_of_range;
+        let out_of_range = outputs.all.out_of_range;
         if std::mem::replace(&mut self.state.out_of_range, out_of_range) == out_of_range {
             return;
         }
+        let present = outputs.all;
         if !out_of_range {
             return self.report(Severity::Event, "in range again");
         }

@@ -246,8 +246,10 @@ impl CacheArgs {
     /// The cache; None where the system names no folder for it.
     pub fn cache(&self) -> Option<ModelCache> {
         let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+        // The specification of this variable has a relative path ignored.
+        let base = variable("XDG_CACHE_HOME").filter(|base| Path::new(base).is_absolute());
         let directory = (self.cache_dir.clone())
-            .or_else(|| variable("XDG_CACHE_HOME").map(|base| Path::new(&base).join("gearmesh")))
+            .or_else(|| base.map(|base| Path::new(&base).join("gearmesh")))
             .or_else(|| variable("HOME").map(|home| Path::new(&home).join(".cache/gearmesh")))
             .or_else(|| variable("LOCALAPPDATA").map(|base| Path::new(&base).join("gearmesh")))?;
         let limit = self.cache_limit_mb.saturating_mul(1_000_000);

@@ -16,9 +16,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Error {
-    let path = path.display();
-    format!("cannot write {path}: {error}; name a file in a folder that exists and can be written")
-        .into()
+    let (path, remedy) = (path.display(), storage::remedy(error));
+    format!("cannot write {path}: {error}; {remedy}").into()
 }
 
 /// Refuses `path` before the work whose result it shall take, where it cannot be written or is one of the files `read`.

@@ -143,7 +143,7 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
         "", ["operating pitch diameter", "mm", 4] => diameter(mesh.operating_pitch_radius(i, c));
         "", ["active profile start diameter", "mm", 4] => diameter(g.radius_at_roll(mesh.active_start_roll(i, c)));
         "", ["involute start diameter", "mm", 4] => involute_start;
-        "", ["tip land", "mm", 4] => tip_land;
+        "", ["tip land, transverse", "mm", 4] => tip_land;
         "", [head_if(is_undercut, "undercut"), "", None] => "yes";
         "base_diameter_mm", ["base diameter", "mm", 4] => diameter(g.base_radius());
         "root_diameter_mm", ["root diameter", "mm", 4] => diameter(g.root_radius());

@@ -54,6 +54,16 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     uninterrupted(|| beside(&path).map(drop))
 }
 
+/// What helps where a file could not be written for this reason.
+pub fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
+            "make room, or name a file elsewhere"
+        }
+        _ => "name a file in a folder that exists and can be written",
+    }
+}
+
 /// Where the links at `path` lead.
 fn followed(path: &Path) -> PathBuf {
     let mut path = path.to_owned();
@@ -64,6 +74,17 @@ fn followed(path: &Path) -> PathBuf {
         path = folder(&path).join(target);
     }
     path
+}
+
+/// Opens the file at `path` to read it.
+///
+/// # Errors
+/// Those of the system, and a pipe or a device: whoever reads one may wait for ever.
+pub fn open(path: &Path) -> io::Result<fs::File> {
+    match is_special(path) {
+        true => Err(io::Error::other("it is a pipe or a device, and no file")),
+        false => fs::File::open(path),
+    }
 }
 
 fn is_special(path: &Path) -> bool {
@@ -95,8 +116,8 @@ fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
 
 /// A reader of CSV `text` in which blanks stand around cells and lines that begin with # are remarks.
 pub fn csv_reader(text: &str) -> csv::Reader<Cursor<String>> {
-    // The reader counts a line only at its \n, after the place of the next one.
-    let text = Cursor::new(text.replace("\r\n", "\n"));
+    // The reader counts a line only at its \n, after the place of the next one, and ends remarks nowhere else.
+    let text = Cursor::new(text.replace("\r\n", "\n").replace('\r', "\n"));
     let mut builder = csv::ReaderBuilder::new();
     builder
         .trim(csv::Trim::All)
@@ -129,6 +150,18 @@ mod tests {
         assert!(error.to_string().starts_with(&tried), "{error}");
         assert!(error.to_string().len() > tried.len(), "{error}");
         assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[test]
+    fn rows_and_their_lines_are_the_same_however_lines_end() {
+        let text = "# remark\na, b\n1,2\n3,4\n";
+        for ending in ["\n", "\r\n", "\r"] {
+            let rows = csv_reader(&text.replace('\n', ending)).into_records();
+            let rows = rows.map(|row| row.unwrap());
+            let rows = rows.map(|row| (row.position().unwrap().line(), row[1].to_owned()));
+            let rows: Vec<_> = rows.collect();
+            assert_eq!(rows, [(3, "2".into()), (4, "4".into())], "{ending:?}");
+        }
     }
 
     #[cfg(unix)]

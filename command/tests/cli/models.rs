@@ -77,3 +77,22 @@ fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
     assert_eq!(folder.read("cache/notes.compliance"), "not a model");
     assert_eq!(count(), 1);
 }
+
+#[test]
+fn the_cache_of_a_user_lies_where_the_system_says_by_a_whole_path() {
+    let folder = Folder::new();
+    let home = folder.path("home");
+    let other = folder.path("other");
+    for (base, expected) in [
+        ("relative", format!("{home}/.cache")),
+        (&*other, other.clone()),
+    ] {
+        let mut command = command();
+        command.env_remove("GEARMESH_CACHE_DIR").env("HOME", &home);
+        let output = command.env("XDG_CACHE_HOME", base).arg("cache").output();
+        contains!(
+            text(&output.unwrap().stdout),
+            &format!("{expected}/gearmesh: ")
+        );
+    }
+}

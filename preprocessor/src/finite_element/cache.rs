@@ -9,7 +9,7 @@
 
 use super::error::FiniteElementError;
 use super::model::Model;
-use crate::storage::write_whole;
+use crate::storage::{self, write_whole};
 use gearmesh::sealed;
 use gearmesh::words::hex;
 use sha2::{Digest, Sha256};
@@ -146,6 +146,23 @@ impl ModelCache {
         self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
     }
 
+    /// The bytes of the file at `path`.
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let file = storage::open(path)?;
+        // No model is larger than the cache, be it that of another run.
+        let (length, most) = (file.metadata()?.len(), self.limit.max(Self::DEFAULT_LIMIT));
+        if length > most {
+            return Err(io::Error::other(format!(
+                "it has {} MB, and models have {} MB at most",
+                length / 1_000_000,
+                most / 1_000_000
+            )));
+        }
+        let mut bytes = Vec::new();
+        file.take(most).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
     /// Keeps `bytes` as `path`; the least recently used models make room for it.
     fn store(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let size = bytes.len() as u64;
@@ -157,6 +174,10 @@ impl ModelCache {
             )));
         }
         fs::create_dir_all(&self.directory)?;
+        if path.exists() {
+            // Only a file makes way for the model.
+            storage::open(path)?;
+        }
         let mut models = self.models()?;
         models.retain(|model| model.path != path);
         let mut total = size + models.iter().map(|model| model.bytes).sum::<u64>();
@@ -203,7 +224,7 @@ pub(super) fn get<T: Stored>(
     let key = key(model, what);
     let path = cache.path(&key);
     let in_words = |reason: String| format!("{}: {reason}", path.display());
-    let fault = match fs::read(&path) {
+    let fault = match cache.bytes(&path) {
         Ok(bytes) => match read(&bytes, &key) {
             Ok(found) => {
                 // Notes that it was used. Folders that are not the user's own need not allow it.
@@ -244,7 +265,7 @@ fn read<T: Stored>(bytes: &[u8], key: &[u8]) -> Result<T, &'static str> {
 /// The beginning of a file, up to the end of its label; None for a file that no version of this cache wrote.
 fn head(path: &Path) -> Option<Vec<u8>> {
     let mut head = Vec::new();
-    let file = File::open(path).ok()?;
+    let file = storage::open(path).ok()?;
     let length = sealed::HEAD + LABEL;
     file.take(length as u64).read_to_end(&mut head).ok()?;
     head.starts_with(&MAGIC[..COMMON]).then_some(head)

@@ -179,6 +179,41 @@ fn a_model_is_read_back_and_a_damaged_file_is_replaced_with_a_note() {
 }
 
 #[test]
+fn a_pipe_or_a_huge_file_in_place_of_a_model_holds_nobody_up() {
+    let directory = tempfile::tempdir().unwrap();
+    let cache = cache(directory.path());
+    let (computed, _) = get(&gear(20), &cache);
+    let path = cache.models().unwrap().pop().unwrap().path;
+    let sound = fs::read(&path).unwrap();
+    // Ten gigabytes that begin as a model; holes take no room on the disk.
+    let file = File::options().write(true).open(&path).unwrap();
+    file.set_len(10_000_000_000).unwrap();
+    let (model, origin) = get(&gear(20), &cache);
+    let words = format!("{origin:?}");
+    assert!(
+        words.contains("10000 MB") && matches!(origin, Origin::Replaced(_)),
+        "{words}"
+    );
+    assert_eq!(bulk(&model), bulk(&computed));
+    assert!(fs::read(&path).unwrap() == sound);
+    #[cfg(unix)]
+    {
+        fs::remove_file(&path).unwrap();
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.unwrap().success());
+        let (model, origin) = get(&gear(20), &cache);
+        let words = format!("{origin:?}");
+        assert!(
+            words.contains("pipe") && matches!(origin, Origin::NotStored(_)),
+            "{words}"
+        );
+        assert_eq!(bulk(&model), bulk(&computed));
+        assert_eq!(cache.models().unwrap(), []);
+        assert_eq!(cache.others().unwrap(), [path]);
+    }
+}
+
+#[test]
 fn unwritable_cache_still_gives_the_model() {
     let directory = tempfile::tempdir().unwrap();
     // A file where the directory should be.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use crate::storage::write_whole;
+use crate::storage::{self, write_whole};
 use gearmesh::contact::ContactFile;
 use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
 
@@ -19,9 +19,14 @@ use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, p
 pub struct PackageError(String);
 
 impl PackageError {
-    fn file(path: &Path, source: std::io::Error) -> Self {
-        let remedy = "name a file that can be read, or a folder that can be written";
-        PackageError::contents(path, format!("{source}; {remedy}"))
+    fn unread(path: &Path, source: std::io::Error) -> Self {
+        let remedy = "name a file that exists and that you may read";
+        PackageError::contents(path, format!("cannot be read: {source}; {remedy}"))
+    }
+
+    fn unwritten(path: &Path, source: std::io::Error) -> Self {
+        let remedy = storage::remedy(&source);
+        PackageError::contents(path, format!("cannot be written: {source}; {remedy}"))
     }
 
     fn archive(path: &Path, source: zip::result::ZipError) -> Self {
@@ -59,7 +64,10 @@ impl Library {
     /// A file that cannot be read, is no shared library of a platform of FMI 2.0, or has not the
     /// functions of the interface.
     pub fn read(path: &Path) -> Result<Self, PackageError> {
-        let bytes = std::fs::read(path).map_err(|e| PackageError::file(path, e))?;
+        let mut bytes = Vec::new();
+        let file = storage::open(path).map(|file| file.take(LONGEST_FILE));
+        (file.and_then(|mut file| file.read_to_end(&mut bytes)))
+            .map_err(|e| PackageError::unread(path, e))?;
         let refused = |reason: &str| PackageError::contents(path, reason);
         let none =
             "no shared library for 64-bit Linux, Windows or macOS; give the one that cargo built";
@@ -146,7 +154,7 @@ pub fn libraries_beside(executable: &Path) -> Result<Vec<Library>, PackageError>
 /// returns the size. The same files give the same bytes.
 pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, PackageError> {
     let broken = |error| PackageError::archive(out, error);
-    let unwritten = |error| PackageError::file(out, error);
+    let unwritten = |error| PackageError::unwritten(out, error);
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // The time is the earliest that zip knows, so that it does not enter the bytes.
     let options = SimpleFileOptions::default()
@@ -168,6 +176,9 @@ pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, Pack
 /// Longest file that is read from an FMU, bytes: some hundred times the tables of a pair.
 const LONGEST_FILE: u64 = 256 << 20;
 
+/// Most bytes that are read from an FMU in all: libraries for all platforms and the largest tables.
+const LONGEST_ARCHIVE: u64 = 1 << 30;
+
 const DESCRIPTION: &str = "modelDescription.xml";
 
 /// Most files of an FMU that is looked into; one of gearmesh has about a dozen.
@@ -175,7 +186,7 @@ const MOST_FILES: usize = 10_000;
 
 /// The archive at `path`, if it is no larger than an FMU is.
 fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
-    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
+    let file = storage::open(path).map_err(|e| PackageError::unread(path, e))?;
     let archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
     if archive.len() > MOST_FILES {
         let count = archive.len();
@@ -185,11 +196,12 @@ fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
     Ok(archive)
 }
 
-/// The file `name` of the `archive` at `path`, if there is one.
+/// The file `name` of the `archive` at `path`, if there is one; `read` counts the bytes of all that were read.
 fn bytes(
     archive: &mut ZipArchive<File>,
     path: &Path,
     name: &str,
+    read: &mut u64,
 ) -> Result<Option<Vec<u8>>, PackageError> {
     let entry = match archive.by_name(name) {
         Ok(entry) => entry,
@@ -199,10 +211,17 @@ fn bytes(
     let mut bytes = Vec::new();
     // Few packed bytes may unfold into any number of them.
     let length = entry.take(LONGEST_FILE + 1).read_to_end(&mut bytes);
-    if length.map_err(|e| PackageError::file(path, e))? as u64 > LONGEST_FILE {
-        let longest = LONGEST_FILE >> 20;
+    let length = length.map_err(|e| PackageError::unread(path, e))? as u64;
+    *read += length;
+    let too_long = match (length > LONGEST_FILE, *read > LONGEST_ARCHIVE) {
+        (true, _) => Some((name, LONGEST_FILE)),
+        (_, true) => Some(("it", LONGEST_ARCHIVE)),
+        _ => None,
+    };
+    if let Some((what, most)) = too_long {
+        let most = most >> 20;
         let problem =
-            format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh");
+            format!("{what} unfolds into more than {most} MB, and was not packed by gearmesh");
         return Err(PackageError::contents(path, problem));
     }
     Ok(Some(bytes))
@@ -239,7 +258,8 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     }
     let faulty =
         |name: &str, reason: &str| PackageError::contents(path, format!("{name}: {reason}"));
-    let mut bytes = |name: &str| bytes(&mut archive, path, name);
+    let mut read = 0;
+    let mut bytes = |name: &str| bytes(&mut archive, path, name, &mut read);
     let mut text = |name: &str| -> Result<Option<String>, PackageError> {
         let text = bytes(name)?.map(String::from_utf8).transpose();
         text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh"))
@@ -288,6 +308,33 @@ mod tests {
         pe[60] = 64;
         pe[64..70].copy_from_slice(b"PE\0\0\x64\x86");
         [elf, pe]
+    }
+
+    /// Each of the libraries is short enough by itself.
+    #[test]
+    fn an_archive_that_unfolds_beyond_its_bound_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bomb.fmu");
+        let mut archive = ZipWriter::new(File::create(&path).unwrap());
+        let options = SimpleFileOptions::default().compression_level(Some(1));
+        let block = vec![0; 1 << 20];
+        for platform in 0..5 {
+            let name = format!("binaries/{platform}/gearmesh.so");
+            archive.start_file(name, options).unwrap();
+            (0..250).for_each(|_| archive.write_all(&block).unwrap());
+        }
+        archive.finish().unwrap();
+        let mut archive = opened(&path).unwrap();
+        let (mut read, mut refused) = (0, None);
+        for platform in 0..5 {
+            let name = format!("binaries/{platform}/gearmesh.so");
+            refused = refused.or(bytes(&mut archive, &path, &name, &mut read).err());
+        }
+        let error = refused.unwrap().to_string();
+        assert!(
+            error.contains("bomb.fmu: it unfolds into more than 1024 MB"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -291,7 +291,7 @@ pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) ->
         let wall = gear.kappa() * (gear.root_radius() - gear.held_radius) / MM;
         if land < 0.2 * m {
             out.push(format!(
-                "gear {n}: the tip land is {land:.3} mm, below 0.2 modules"
+                "gear {n}: the tip land is {land:.3} mm in the transverse section, below 0.2 modules"
             ));
         }
         if wall < m && gear.foundation.is_none() {

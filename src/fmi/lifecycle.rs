@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Refusal;
 use super::variables::check_finite;
+use crate::words::number;
 
 /// State of one instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -142,7 +143,9 @@ impl Clock {
         check_finite("startTime", start)?;
         if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
             return Err(Refusal::error(format!(
-                "stopTime = {stop} lies before startTime = {start}"
+                "stopTime = {} lies before startTime = {}",
+                number(stop),
+                number(start)
             )));
         }
         *self = Self {
@@ -168,28 +171,34 @@ impl Clock {
         let refuse = |reason: String| Err(Refusal::error(reason));
         if !step.is_finite() || step <= 0.0 {
             return refuse(format!(
-                "communicationStepSize = {step}; it must be positive and finite"
+                "communicationStepSize = {}; it must be positive and finite",
+                number(step)
             ));
         }
         let follows = (point - self.time).abs() <= self.tolerance(point, step); // never for NaN
         if !follows {
             return refuse(format!(
-                "currentCommunicationPoint = {point}, but the last step ended at {}; restore a stored state to go back",
-                self.time
+                "currentCommunicationPoint = {}, but the last step ended at {}; restore a stored state to go back",
+                number(point),
+                number(self.time)
             ));
         }
         let end = point + step;
         if end <= point {
             return refuse(format!(
-                "communicationStepSize = {step} is lost in the rounding of the time {point}; take longer steps, or \
-                 start the experiment at time 0"
+                "communicationStepSize = {} is lost in the rounding of the time {}; take longer steps, or \
+                 start the experiment at time 0",
+                number(step),
+                number(point)
             ));
         }
         // Hosts that add up their steps come to the stop time with the sum of all roundings.
         let late = 1e-3 * step + 1e-9 * self.time.abs();
         if let Some(stop) = self.stop.filter(|stop| end > stop + late) {
             return refuse(format!(
-                "the step ends at {end}, after stopTime = {stop}; shorten it"
+                "the step ends at {}, after stopTime = {}; shorten it",
+                number(end),
+                number(stop)
             ));
         }
         Ok(Self {
@@ -213,6 +222,23 @@ impl Clock {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_of_hundreds_of_digits_are_said_with_an_exponent() {
+        let mut clock = Clock::default();
+        clock.setup(1e300, Some(1.5e300)).unwrap();
+        for (point, step) in [
+            (1e300, 1e-300),
+            (2e300, 1.0),
+            (1e300, 1e301),
+            (1e300, -1e300),
+        ] {
+            let message = clock.after(point, step).unwrap_err().message;
+            assert!(message.len() < 150 && message.contains("e30"), "{message}");
+        }
+        let message = clock.setup(1e300, Some(-1e300)).unwrap_err().message;
+        assert!(message.contains("stopTime = -1e300 lies"), "{message}");
+    }
 
     #[test]
     fn a_refusal_lists_the_states_that_are_allowed() {

@@ -26,18 +26,32 @@ pub struct InterpolationError {
     pub moment_rms: f64,
     /// Largest error of the shuttling moment, likewise.
     pub moment_maximum: f64,
+    /// Force errors at the points of [`LOW_LOADS`] over the force that acts there, root of the mean square and largest; absent
+    /// where no point has such a load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low_load_force: Option<[f64; 2]>,
 }
 
+/// Forces over the nominal one at which errors are also given relative to the force that acts.
+pub const LOW_LOADS: [f64; 2] = [0.1, 0.25];
+
 impl InterpolationError {
-    /// Of errors of force and shuttling moment at random points, each relative to its nominal one.
-    pub fn of(errors: &[[f64; 2]]) -> Self {
+    /// Of errors of force and shuttling moment at random points, each relative to its nominal one, and of the forces there over the
+    /// nominal one.
+    pub fn of(errors: &[[f64; 3]]) -> Self {
         let [force, moment] = [0, 1].map(|k| rms_and_largest(errors, k));
+        let [least, most] = LOW_LOADS;
+        let low = errors
+            .iter()
+            .filter(|[.., acting]| (least..=most).contains(acting));
+        let low: Vec<[f64; 1]> = low.map(|[error, _, acting]| [error / acting]).collect();
         InterpolationError {
             points: errors.len(),
             force_rms: force[0],
             force_maximum: force[1],
             moment_rms: moment[0],
             moment_maximum: moment[1],
+            low_load_force: (!low.is_empty()).then(|| rms_and_largest(&low, 0)),
         }
     }
 
@@ -50,12 +64,16 @@ impl InterpolationError {
             force_maximum: self.force_maximum.max(other.force_maximum),
             moment_rms: self.moment_rms.max(other.moment_rms),
             moment_maximum: self.moment_maximum.max(other.moment_maximum),
+            low_load_force: match (self.low_load_force, other.low_load_force) {
+                (Some(a), Some(b)) => Some([a[0].max(b[0]), a[1].max(b[1])]),
+                (a, b) => a.or(b),
+            },
         }
     }
 }
 
 /// Root of the mean square of the `k`th of each of `errors`, and the largest.
-fn rms_and_largest(errors: &[[f64; 2]], k: usize) -> [f64; 2] {
+fn rms_and_largest<const N: usize>(errors: &[[f64; N]], k: usize) -> [f64; 2] {
     let errors = errors.iter().map(|e| e[k]);
     let mean_square = errors.clone().map(|e| e * e).sum::<f64>() / errors.len() as f64;
     [mean_square.sqrt(), errors.map(f64::abs).fold(0.0, f64::max)]
@@ -107,6 +125,14 @@ impl fmt::Display for InterpolationError {
             1e2 * self.force_maximum,
             1e2 * self.moment_rms,
             1e2 * self.moment_maximum
+        )?;
+        let Some([rms, largest]) = self.low_load_force.map(|errors| errors.map(|e| 1e2 * e)) else {
+            return Ok(());
+        };
+        let [least, most] = LOW_LOADS;
+        write!(
+            f,
+            "; at {least} to {most} of the nominal force {rms:.2} % rms, {largest:.2} % at most, of the force that acts"
         )
     }
 }
@@ -120,5 +146,29 @@ impl fmt::Display for RootStressError {
             1e2 * self.rms,
             1e2 * self.maximum
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_under_low_loads_are_relative_to_the_force_that_acts() {
+        let error = InterpolationError::of(&[
+            [0.01, 0.0, 1.0],
+            [0.03125, 0.0, 0.25],
+            [-0.015625, 0.0, 0.125],
+            [0.01, 0.0, 0.02],
+        ]);
+        assert_eq!(error.low_load_force, Some([0.125, 0.125]));
+        assert!(
+            error
+                .to_string()
+                .ends_with("12.50 % rms, 12.50 % at most, of the force that acts")
+        );
+        let other = InterpolationError::of(&[[0.01, 0.0, 1.0]]);
+        assert_eq!(other.low_load_force, None);
+        assert_eq!(other.with(error).low_load_force, error.low_load_force);
     }
 }

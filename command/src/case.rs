@@ -208,10 +208,6 @@ pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     columns! { |c: &Row|
         "edge_gear", ["tip edge of gear", "", None] => c.cycle.edge_load().map(|edge| edge.gear + 1);
         "edge_z_mm", ["tip edge at z", "mm", 2] => c.cycle.edge_load().map(|edge| 1e3 * edge.z);
-        "bodies_share_of_mean_ste", ["share of the gear bodies in the mean STE, about", "", 2] => {
-            let compliance: f64 = g.gears.iter().map(|gear| gear.body_compliance()).sum();
-            c.input.torque / g.gears[0].base_radius() * compliance / c.cycle.mean_ste()
-        };
         "transverse_contact_ratio", ["transverse contact ratio", "", 4] => g.transverse_contact_ratio(center_distance(&c.input));
         "overlap_ratio", ["overlap ratio", "", 4] => g.overlap_ratio();
         "loss_factor", ["loss factor by the load share", "", 4] => c.loss_factor(solver);

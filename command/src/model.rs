@@ -38,7 +38,7 @@ pub struct ModelArgs {
     pub plane_strain: bool,
 
     /// Stress in the tooth roots of both gears, too; its elastic model takes two to three times as long as that of the contact
-    #[arg(long, conflicts_with = "plane_strain")]
+    #[arg(long)]
     pub root_stress: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]

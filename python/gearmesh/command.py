@@ -85,8 +85,6 @@ class MeshCycle:
         Load along the face, mean over the cycle, and K_Hbeta.
     loss_factor, loss_factor_ohlendorf
         Share of the transmitted power that is lost at a coefficient of friction of 1, and that of Ohlendorf's formula.
-    bodies_share_of_mean_ste
-        Estimated share of the gear bodies between the teeth and where they are held.
     transverse_contact_ratio, overlap_ratio, solve_seconds
         Scalars.
     notes
@@ -123,7 +121,6 @@ class MeshCycle:
     face_load_factor: float
     loss_factor: float
     loss_factor_ohlendorf: float
-    bodies_share_of_mean_ste: float
     transverse_contact_ratio: float
     overlap_ratio: float
     solve_seconds: float

@@ -1,5 +1,7 @@
 //! Stress in the tooth roots: the fillet beside the loaded flank, and at run time a map from loads at stations to it.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use super::candidates::{Candidate, ContactLines};
@@ -34,6 +36,8 @@ pub struct Fillet {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootField<'a> {
     fillet: &'a Fillet,
+    /// Places along the face, m.
+    z: Cow<'a, [f64]>,
     /// At each place along the face how many places along the profile, from the middle of the space, lie off the loads.
     clear: Vec<usize>,
     /// Largest principal stress at each place along the face (outer) and along the profile, Pa, tension positive.
@@ -65,14 +69,25 @@ impl Fillet {
         components: &[f64],
         loaded: impl Iterator<Item = &'s Segment> + Clone,
     ) -> RootField<'_> {
+        self.field_at(Cow::Borrowed(&self.z), components, loaded)
+    }
+
+    /// The same where the places along the face are `z`, m: in plane strain the slices that were looked at.
+    pub fn field_at<'f, 's>(
+        &'f self,
+        z: Cow<'f, [f64]>,
+        components: &[f64],
+        loaded: impl Iterator<Item = &'s Segment> + Clone,
+    ) -> RootField<'f> {
         let principal = components.chunks(COMPONENTS).map(|s| {
             let (mean, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
             mean + half.hypot(s[2])
         });
-        let clear = self.z.iter().map(|z| self.clear(*z, loaded.clone()));
+        let clear = z.iter().map(|z| self.clear(*z, loaded.clone()));
         RootField {
             fillet: self,
             clear: clear.collect(),
+            z,
             principal: principal.collect(),
         }
     }
@@ -191,7 +206,7 @@ fn cubic(x: f64) -> [f64; 4] {
 impl RootField<'_> {
     /// Places along the face, m.
     pub fn z(&self) -> &[f64] {
-        &self.fillet.z
+        &self.z
     }
 
     /// Largest principal stress from the middle of the space to the start of the involute, at the place `number` along the face.
@@ -200,7 +215,7 @@ impl RootField<'_> {
         let points = self.stress(number).iter().enumerate();
         points.map(move |(i, stress)| RootPoint {
             stress: *stress,
-            z: fillet.z[number],
+            z: self.z[number],
             radius: fillet.radii[i],
             tangent: fillet.tangents[i],
         })
@@ -215,7 +230,7 @@ impl RootField<'_> {
     /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on this flank: there it
     /// is local, and without limit under a corner. Between the places along the profile by a parabola.
     pub fn largest(&self) -> RootPoint {
-        let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
+        let places = (0..self.z.len()).map(|number| self.largest_at(number));
         places.reduce(larger).unwrap_or_default()
     }
 
@@ -266,7 +281,7 @@ impl RootField<'_> {
         let mean = |of: &[f64]| three.iter().zip(weights).map(|(k, w)| w * of[*k]).sum();
         RootPoint {
             stress: mean(self.stress(number)),
-            z: fillet.z[number],
+            z: self.z[number],
             radius: mean(&fillet.radii),
             tangent: mean(&fillet.tangents),
         }

@@ -132,17 +132,15 @@ fn model(gear: &Gear, refinement: Refinement, plane_strain: bool) -> RootStress 
     model.unwrap().0
 }
 
-/// The contact line of `load` as segments with their forces, N (plane strain: one, N per m).
+/// The contact line of `load` as segments with their forces, N; plane strain: one.
 fn segments(gear: &Gear, load: &Value, plane_strain: bool) -> Vec<(Segment, f64)> {
     // Straight over the face.
     let ends = |name: &str| [0, 1].map(|i| load[name][i].as_f64().unwrap());
     let between = |ends: [f64; 2], share: f64| ends[0] + share * (ends[1] - ends[0]);
     let roll = ends("radius_mm").map(|r| gear.roll_length(1e-3 * r));
     let density = ends("load_n_per_mm").map(|q| 1e3 * q);
-    let (count, length) = match plane_strain {
-        true => (1, 1.0),
-        false => (SEGMENTS, gear.face_width / SEGMENTS as f64),
-    };
+    let count = if plane_strain { 1 } else { SEGMENTS };
+    let length = gear.face_width / count as f64;
     let segment = |i: usize| {
         let [low, middle, high] = [0.0, 0.5, 1.0].map(|part| (i as f64 + part) / count as f64);
         let segment = Segment {
@@ -247,8 +245,7 @@ fn the_nominal_stress_of_iso_6336_is_within_an_eighth_of_finite_elements() {
                 z: [0.0, gear.face_width],
                 roll: [roll; 2],
             };
-            // Normal force per face width.
-            let force = torque / pair.gears[0].base_radius() / gear.face_width;
+            let force = torque / pair.gears[0].base_radius();
             let field = model.of_tooth(0, &model.spread(&[segment]), &[force]);
             let field = field.unwrap();
             let found = [field.largest(), field.at_tangent().unwrap()];

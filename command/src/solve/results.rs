@@ -120,7 +120,13 @@ pub fn json(
 
 pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
     let on_teeth = pair::note_on_teeth(&pair.teeth).map(String::from);
-    let notes = [on_teeth, case.cycle.note_on_segments()];
+    let elasticity = case.cycle.note_on_elasticity(&pair.geometry);
+    let held = pair
+        .warnings
+        .iter()
+        .find(|note| note.contains(pair::ASSUMED_HELD));
+    let segments = case.cycle.note_on_segments();
+    let notes = [on_teeth, elasticity, segments, held.cloned()];
     notes.into_iter().flatten().collect()
 }
 

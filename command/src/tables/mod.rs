@@ -97,10 +97,9 @@ pub fn compute(
     contact: bool,
     args: &ModelArgs,
 ) -> Result<Made> {
-    // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
-    if args.root_stress && args.plane_strain {
+    if contact && args.root_stress && args.plane_strain {
         refuse!(
-            "--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain"
+            "contact at run time has no stress in the tooth roots in plane strain; leave out `rootStress`, --plane-strain or --contact"
         );
     }
     let pair = args.applied_to(pair::read(path)?);

@@ -22,8 +22,11 @@ fn a_new_pair_file_is_commented_and_accepted_as_it_stands() {
         assert!(folder.read(&name).contains("// > 0: gear 1"));
         let seen = succeed!("inspect {path}");
         assert!(seen.starts_with(&format!("pair-{i}\n")), "{seen}");
-        // The pinion's fillet asks for it, in whatever ring it turns.
-        let is_known = |note: &str| note.contains("tips of the ring are shortened");
+        // The pinion's fillet asks for it, in whatever ring it turns. Bores are for the user to say.
+        let is_known = |note: &str| {
+            note.contains("tips of the ring are shortened")
+                || note.contains("assumed: the diameter")
+        };
         let mut notes = seen.lines().filter(|l| l.starts_with("note:"));
         assert!(notes.all(is_known), "{options}: {seen}");
     }

@@ -36,7 +36,7 @@ fn files_options_and_numbers_that_cannot_be_are_refused_by_name_and_nothing_is_w
     refused!("{solve} --center-distance-offset-um -2500"; "center_distance_offset", "root of its mate");
 
     // However root stress is requested.
-    refused!("build --plane-strain --set rootStress=true {PAPER} -o {out}"; "leave out `rootStress` or --plane-strain");
+    refused!("build --contact --plane-strain --set rootStress=true {PAPER} -o {out}"; "leave out `rootStress`, --plane-strain or --contact");
     refused!("tables --max-error 0 {PAPER} -o {out}"; "--max-error");
     refused!("pack --tables {PAPER} -o {out}"; "`--pair`");
 

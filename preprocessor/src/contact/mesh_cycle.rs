@@ -6,13 +6,17 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::pair::LARGEST_DEFLECTION;
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Sliding};
-use gearmesh::gear::Flank;
+use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::words::count;
 
 /// Loaded segments along a contact line that tell its largest pressure to some 4 %; two of them tell it 25 % too low.
 pub const ENOUGH_SEGMENTS: usize = 6;
+
+/// Pressure times the sum of (1 - nu²) / E of both flanks that leaves a dent in hardened steel: 4 GPa there (ISO 76).
+const LARGEST_PRESSURE: f64 = 0.0353;
 
 /// Where a mesh cycle is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +40,8 @@ pub struct MeshCycle {
     pub mesh_position: Vec<f64>,
     /// The solution at each.
     pub results: Vec<ContactResult>,
+    /// Approach of first touch at each, m.
+    pub no_load_approach: Vec<f64>,
     /// How the load slides at each, every segment counted alike.
     pub sliding: Vec<Sliding>,
     /// The same with the weights of the pair's law of friction.
@@ -90,14 +96,15 @@ impl MeshCycle {
         let even = FrictionLaw::default();
         let solve = |tau: &f64| {
             let at = solver.position(input.flank, *tau, input.center_distance_offset)?;
-            let mut solved: Vec<(ContactResult, [Sliding; 2])> = Vec::with_capacity(cases.len());
+            let mut solved: Vec<(ContactResult, f64, [Sliding; 2])> = vec![];
             for case in cases {
                 // The case before is a near one.
-                let warm = solved.last().map(|(result, _)| result);
+                let warm = solved.last().map(|(result, ..)| result);
                 let result = at.solve_torque(case.torque, case.misalignment, warm)?;
                 let sliding =
                     [even, solver.friction()].map(|law| solver.sliding(&at, &result, &law));
-                solved.push((result, sliding));
+                let no_load = at.no_load_approach(case.misalignment);
+                solved.push((result, no_load, sliding));
                 let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(count as f64 / (n * cases.len()) as f64);
             }
@@ -112,8 +119,10 @@ impl MeshCycle {
         };
         let mut cycles = vec![empty; cases.len()];
         for position in solved {
-            for (cycle, (result, [sliding, friction])) in cycles.iter_mut().zip(position) {
+            for (cycle, found) in cycles.iter_mut().zip(position) {
+                let (result, no_load, [sliding, friction]) = found;
                 cycle.results.push(result);
+                cycle.no_load_approach.push(no_load);
                 cycle.sliding.push(sliding);
                 cycle.friction.push(friction);
             }
@@ -178,6 +187,35 @@ impl MeshCycle {
                 "{}: from only {} of a contact line ({ENOUGH_SEGMENTS} are enough), so too low; give more --stations",
                 values.join(" and "),
                 count(fewest, "loaded segment"),
+            )
+        })
+    }
+
+    /// What is beyond linear elasticity with small deflections, on teeth of `geometry`; None where nothing is.
+    pub fn note_on_elasticity(&self, geometry: &PairGeometry) -> Option<String> {
+        let approaches = self.results.iter().zip(&self.no_load_approach);
+        let deflections = approaches.map(|(result, no_load)| result.approach - no_load);
+        let deflection = deflections.fold(0.0, f64::max);
+        let share = deflection / geometry.gears[0].normal_module;
+        let gears = geometry.gears.each_ref();
+        let compliances = gears.map(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus);
+        let pressure = self.max_pressure();
+        let too_soft = (share > LARGEST_DEFLECTION).then(|| {
+            format!(
+                "the teeth give way by {:.0} um, {:.0} % of the module",
+                1e6 * deflection,
+                100.0 * share
+            )
+        });
+        let too_hard = (pressure * (compliances[0] + compliances[1]) > LARGEST_PRESSURE)
+            .then(|| format!("the flanks bear {:.0} MPa", 1e-6 * pressure));
+        let both: Vec<String> = too_soft.into_iter().chain(too_hard).collect();
+        (!both.is_empty()).then(|| {
+            format!(
+                "{}: beyond linear elasticity, from which all results are; it holds for teeth that give way by up to {:.0} % of \
+                 the module, and for pressures up to what leaves a dent (ISO 76: 4 GPa on steel)",
+                both.join(" and "),
+                100.0 * LARGEST_DEFLECTION
             )
         })
     }
@@ -287,6 +325,7 @@ impl FaceLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gearmesh::gear::GearKind;
 
     #[test]
     fn harmonics_rebuild_what_they_were_made_of() {
@@ -306,5 +345,34 @@ mod tests {
         assert_eq!(of(vec![2.0; 5]), 1.0);
         assert!((of((0..=1000).map(f64::from).collect()) - 2.0).abs() < 1e-12);
         assert_eq!(of(vec![0.0; 5]), 0.0);
+    }
+
+    #[test]
+    fn deflections_and_pressures_beyond_linear_elasticity_are_said() {
+        let gears = [20, 20].map(|z| crate::samples::gear(GearKind::External, z, 1.0, 0.0, 0.0));
+        let geometry = PairGeometry {
+            gears,
+            center_distance: 80e-3,
+        };
+        let note = |approach: f64, no_load: f64, pressure: f64| {
+            let result = ContactResult {
+                approach,
+                max_pressure: pressure,
+                ..ContactResult::default()
+            };
+            let cycle = MeshCycle {
+                results: vec![result],
+                no_load_approach: vec![no_load],
+                ..MeshCycle::default()
+            };
+            cycle.note_on_elasticity(&geometry)
+        };
+        let module = geometry.gears[0].normal_module;
+        // Modifications open a gap that no load has closed.
+        assert_eq!(note(0.1 * module, 0.07 * module, 3.5e9), None);
+        let soft = note(0.4 * module, 0.07 * module, 3.5e9).unwrap();
+        assert!(soft.contains("33 % of the module: beyond"), "{soft}");
+        let hard = note(0.0, 0.0, 6e9).unwrap();
+        assert!(hard.starts_with("the flanks bear 6000 MPa: "), "{hard}");
     }
 }

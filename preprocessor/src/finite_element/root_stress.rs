@@ -28,6 +28,8 @@ pub struct RootStress {
     map: Map,
     /// Largest difference of tooth numbers between a load and a root.
     reach: usize,
+    /// In plane strain the cosine of the base helix angle.
+    plane: Option<f64>,
 }
 
 /// Stress by loads, rounded.
@@ -108,6 +110,7 @@ impl RootStress {
             fillet,
             map,
             reach: settings.reach,
+            plane: (settings.plane_strain).then(|| gear.base_helix_angle().cos()),
         };
         Ok((found, origin))
     }
@@ -118,7 +121,8 @@ impl RootStress {
         SpreadSegments(segments.iter().map(spread).collect())
     }
 
-    /// Stress in the root of `tooth` under the normal forces `loads`, N, on `segments` (plane strain: N per m of face).
+    /// Stress in the root of `tooth` under the normal forces `loads`, N, on `segments`. In plane strain every loaded segment of the
+    /// tooth stands for a slice of its own, which feels the line loads in it and no others.
     ///
     /// # Errors
     /// [`BeyondModel`] for a loaded segment on a tooth farther away than [`Settings::reach`].
@@ -132,26 +136,49 @@ impl RootStress {
         loads: &[f64],
     ) -> Result<RootField<'_>, BeyondModel> {
         assert_eq!(segments.0.len(), loads.len(), "a load for each segment");
-        let mut forces = vec![0.0; self.loads.len() * (2 * self.reach + 1)];
-        let mut beside = Vec::new();
         let all = segments.0.iter().zip(loads);
-        for ((segment, weights), force) in all.filter(|(_, force)| **force != 0.0) {
-            let away = tooth - segment.tooth;
-            let (distance, reach) = (away.unsigned_abs() as usize, self.reach);
+        let loaded: Vec<_> = all.filter(|(_, force)| **force != 0.0).collect();
+        let away = |segment: &Segment| tooth - segment.tooth;
+        for ((segment, _), _) in &loaded {
+            let (distance, reach) = (away(segment).unsigned_abs() as usize, self.reach);
             if distance > reach {
                 return Err(BeyondModel { distance, reach });
             }
-            if away == 0 && *force > 0.0 {
-                beside.push(segment);
-            }
-            let first = (away + reach as i32) as usize * self.loads.len();
-            for (node, weight) in weights {
-                forces[first + node] += weight * force;
-            }
         }
-        let forces = forces.into_iter().enumerate();
-        let stress = self.stress(forces.filter(|(_, force)| *force != 0.0));
-        Ok(self.fillet.field(&stress, beside.into_iter()))
+        // Under the share of every force that `share` says.
+        let stress = |share: &dyn Fn(&Segment) -> f64| {
+            let mut forces = vec![0.0; self.loads.len() * (2 * self.reach + 1)];
+            for ((segment, weights), force) in &loaded {
+                let first = (away(segment) + self.reach as i32) as usize * self.loads.len();
+                let force = *force * share(segment);
+                for (node, weight) in weights {
+                    forces[first + node] += weight * force;
+                }
+            }
+            let forces = forces.into_iter().enumerate();
+            self.stress(forces.filter(|(_, force)| *force != 0.0))
+        };
+        let on_tooth = loaded
+            .iter()
+            .filter(|((s, _), f)| s.tooth == tooth && **f > 0.0);
+        let beside: Vec<&Segment> = on_tooth.map(|((segment, _), _)| segment).collect();
+        let Some(cos_base_helix) = self.plane else {
+            let field = self.fillet.field(&stress(&|_| 1.0), beside.into_iter());
+            return Ok(field);
+        };
+        let slices = match beside.is_empty() {
+            true => loaded.iter().map(|((segment, _), _)| segment).collect(),
+            false => beside.clone(),
+        };
+        let length = |segment: &Segment| segment.z[1] - segment.z[0];
+        let of_slice = |slice: &&Segment| {
+            let overlap = |s: &Segment| s.z[1].min(slice.z[1]) - s.z[0].max(slice.z[0]);
+            // Transverse force per length of the axis.
+            stress(&|s| cos_base_helix * overlap(s).max(0.0) / (length(s) * length(slice)))
+        };
+        let components: Vec<f64> = slices.iter().flat_map(of_slice).collect();
+        let z = slices.iter().map(|slice| 0.5 * (slice.z[0] + slice.z[1]));
+        Ok((self.fillet).field_at(z.collect(), &components, beside.into_iter()))
     }
 
     /// Components of the stress at all points of the fillet under the forces, N, of these columns of the map.

@@ -22,6 +22,10 @@ use gearmesh::gear::{Gear, GearKind, ToothProfile};
 /// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
 pub(super) type Polar = [f64; 2];
 
+/// Least radius of curvature of a fillet, in modules, along which elements for its stress have the size of their level; along sharper ones
+/// they are as much smaller. Else a fillet of 0.09 modules would bear 5 % too little at level normal.
+const SHARP_FILLET: f64 = 0.42;
+
 /// Chords that stand for the fillet and for the root circle beside it; 400 leave 1e-6 of its radius.
 const FILLET_STEPS: u32 = 400;
 const ROOT_STEPS: u32 = 20;
@@ -90,6 +94,21 @@ impl Outline {
 
     pub fn space_arc(&self) -> f64 {
         self.below[self.below.len() - 1].0
+    }
+
+    /// Least radius of curvature of the fillet, m: of the circles through points some degrees apart.
+    fn sharpest(&self) -> f64 {
+        let points = self.below.iter().step_by(FILLET_STEPS as usize / 50);
+        let points: Vec<Polar> = points.map(|(_, point)| *point).collect();
+        let radii = points.windows(3).map(|p| {
+            let [a, b, c] = [[0, 1], [1, 2], [2, 0]].map(|[i, j]| distance(p[i], p[j]));
+            let [x, y] = [1, 2].map(|i| {
+                let turn = p[i][1] - p[0][1];
+                [p[i][0] * turn.cos() - p[0][0], p[i][0] * turn.sin()]
+            });
+            a * b * c / (2.0 * (x[0] * y[1] - x[1] * y[0]).abs())
+        });
+        radii.fold(f64::INFINITY, f64::min)
     }
 
     fn involute(&self, arc: f64) -> Polar {
@@ -267,7 +286,11 @@ impl Section {
         let flank = sizes.flank_element * module;
         let involute = sizes.involute_element.map_or(flank, |size| size * module);
         let (fillet, root) = match sizes.fillet_element {
-            Some(size) => (size * module, size * module),
+            Some(size) => {
+                let sharpest = outline.sharpest() / SHARP_FILLET;
+                let size = size * sharpest.min(module);
+                (size, size)
+            }
             None => (flank, sizes.root_element * module),
         };
         let corner_arc = outline.fillet_middle();

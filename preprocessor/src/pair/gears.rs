@@ -149,6 +149,31 @@ pub(super) fn small_bore(geometry: &PairGeometry, i: usize) -> Option<String> {
         .then(|| format!("`{name}` = {mm} is a suspicious value: {meant}"))
 }
 
+/// What the note on gears says that are held where the file does not say.
+pub const ASSUMED_HELD: &str = "assumed: the diameter at which bodies are held";
+
+/// That note.
+pub(super) fn default_held(file: &PairFile, geometry: &PairGeometry) -> Option<String> {
+    let gears = geometry.gears.iter().enumerate();
+    let taken = gears.filter_map(|(i, gear)| {
+        let given = file.gear(i);
+        let (name, value) = match gear.kind {
+            GearKind::External => ("bore_diameter_mm", given.bore_diameter_mm),
+            GearKind::Ring => ("rim_diameter_mm", given.rim_diameter_mm),
+        };
+        let is_open = value.is_none() && given.shaft.is_none() && gear.foundation.is_none();
+        let held = rounded(2.0 * gear.held_radius / MM);
+        is_open.then(|| format!("`{}` = {held}", in_gear(i, name)))
+    });
+    let taken: Vec<String> = taken.collect();
+    (!taken.is_empty()).then(|| {
+        format!(
+            "{} {ASSUMED_HELD} decides the mean transmission error; its peak-to-peak value hardly follows",
+            taken.join(" and ")
+        )
+    })
+}
+
 /// Gives `gear` its body and foundation.
 pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Refusal> {
     let parts = [

@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 
 pub use checks::{Refusal, TORQUES};
 pub use drawing::Gauges;
+pub use gears::ASSUMED_HELD;
+pub use mesh::LARGEST_DEFLECTION;
 pub use text::PairError;
 
 use checks::{LEAST_HELIX, ensure, in_gear, limits, refusal, suspicious};
@@ -107,6 +109,7 @@ fn resolve_gears(
     notes.extend(mesh::check_torques(file, &geometry)?);
     notes.extend(checks::notes(file, helix));
     notes.extend((0..2).filter_map(|i| gears::small_bore(&geometry, i)));
+    notes.extend(gears::default_held(file, &geometry));
     notes.extend(drawing::odd_thickness(file, &geometry));
     notes.extend(mesh::warnings(&geometry, &profiles));
     notes.extend(mesh::check_center_distances(file, &geometry, &profiles)?);

@@ -172,19 +172,20 @@ impl Nominal {
         }
     }
 
-    /// Errors of the derivatives `found` of a potential against force and moment.
-    pub fn errors(self, found: &[f64; 4], force: f64, moment: f64) -> [f64; 2] {
+    /// Errors of the derivatives `found` of a potential against force and moment, and that force, over those here.
+    pub fn errors(self, found: &[f64; 4], force: f64, moment: f64) -> [f64; 3] {
         [
             (found[0] - force) / self.force,
             (found[2] - moment) / self.moment,
+            force / self.force,
         ]
     }
 }
 
-pub(super) fn errors(
+pub(super) fn errors<const N: usize>(
     points: Vec<OperatingPoint>,
-    error: impl Fn(OperatingPoint) -> Result<[f64; 2], TableError> + Sync,
-) -> Result<Vec<[f64; 2]>, TableError> {
+    error: impl Fn(OperatingPoint) -> Result<[f64; N], TableError> + Sync,
+) -> Result<Vec<[f64; N]>, TableError> {
     points.into_par_iter().map(&error).collect()
 }
 

@@ -280,7 +280,7 @@ impl Lines {
             let query = grid.query(index);
             let exact = fine.evaluate(&query, false).gradient;
             let found = coarse.evaluate(&query, false).gradient;
-            let [force, moment] = self.nominal.errors(&found, exact[0], exact[2]);
+            let [force, moment, _] = self.nominal.errors(&found, exact[0], exact[2]);
             errors[index[self.axis as usize]].push(force.abs().max(moment.abs() / MOMENT_TO_FORCE));
         }
         Ok(errors)

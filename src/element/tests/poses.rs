@@ -142,6 +142,34 @@ fn mesh_position_runs_with_the_loaded_flank_and_starts_at_the_mesh_phase() {
 }
 
 #[test]
+fn mesh_position_runs_ahead_by_what_gear_1_turns_into_the_mate() {
+    for pair in three_pairs(-1.0) {
+        for (flank, s, _) in SINGLE_FLANKS {
+            let element = constant(&pair, Formulation::Conjugate, flank);
+            let touching = at(&element, &element.nominal_inputs()).mesh_position;
+            let radii = [0, 1].map(|i| pair.gears[i].base_radius());
+            // Gear 1 takes this part of the approach, gear 2 the rest.
+            for part in [0.0, 0.5, 1.0] {
+                let approach = 8e-6;
+                let mut inputs = spun(&element.nominal_inputs(), 0, s * part * approach / radii[0]);
+                inputs = spun(
+                    &inputs,
+                    1,
+                    pair.e() * s * (1.0 - part) * approach / radii[1],
+                );
+                let out = at(&element, &inputs);
+                let delta =
+                    s * out.transmission_error * element.line_of_action(out.center_distance);
+                assert_abs_diff_eq!(delta, approach, epsilon = 1e-12);
+                let ahead = out.mesh_position - touching;
+                let ahead = ahead - ahead.round();
+                assert_abs_diff_eq!(ahead, part * approach / pair.base_pitch(), epsilon = 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
 fn misalignment_is_the_growth_of_penetration_with_z() {
     let mut noise = Noise::new(9);
     for (i, pair) in three_pairs(1.0).into_iter().enumerate() {

@@ -77,7 +77,12 @@ fn stated_defaults_are_those_that_are_filled_in() {
     assert_eq!(pair.refinement, gearmesh::pair::Refinement::Normal);
     assert_eq!(pair.friction, FrictionLaw::default());
     assert!(pair.tip_corner_contact);
-    assert!(pair.warnings.is_empty(), "{:?}", pair.warnings);
+    let assumed = "`gear1.bore_diameter_mm` = 27.5 and `gear2.bore_diameter_mm` = 37.5 assumed";
+    assert!(
+        pair.warnings.len() == 1 && is_noted(&pair, assumed),
+        "{:?}",
+        pair.warnings
+    );
 }
 
 #[test]

@@ -30,6 +30,69 @@ pub struct Operating {
     pub misalignment: [f64; 2],
 }
 
+/// The shaft of a gear on its bearings. z counts from the gear's own z = 0 face, m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shaft {
+    /// Where the first section begins, m.
+    pub start: f64,
+    /// From low to high z, at least one.
+    pub sections: Vec<ShaftSection>,
+    /// At least one.
+    pub bearings: Vec<Bearing>,
+    /// Whether the torque enters at the end of high z, else at that of low z.
+    pub torque_at_upper_end: bool,
+    /// Young's modulus of the shaft, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson ratio of the shaft.
+    pub poisson_ratio: f64,
+    /// Where the body of the gear stiffens the shaft, m.
+    pub seat: [f64; 2],
+    /// Radius up to which it does, m.
+    pub seat_radius: f64,
+}
+
+/// A cylindrical piece of a [`Shaft`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShaftSection {
+    /// Inner (0: solid) and outer radius, m.
+    pub radii: [f64; 2],
+    /// m.
+    pub length: f64,
+}
+
+/// A bearing of a [`Shaft`], alike in all radial directions. The housing is rigid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    /// m from the gear's z = 0 face.
+    pub z: f64,
+    /// N/m, > 0.
+    pub radial_stiffness: f64,
+    /// N/m, >= 0, in both senses.
+    pub axial_stiffness: f64,
+    /// Against tilting about any radial axis, N m/rad, >= 0.
+    pub tilt_stiffness: f64,
+    /// How far the shaft moves radially from the middle before it bears, m: half of the radial internal clearance of ISO 5753-1.
+    pub free_radius: f64,
+}
+
+impl Shaft {
+    /// Ends of all sections, m, ascending.
+    pub fn section_ends(&self) -> Vec<f64> {
+        let mut ends = vec![self.start];
+        for section in &self.sections {
+            ends.push(ends[ends.len() - 1] + section.length);
+        }
+        ends
+    }
+
+    /// Inner and outer radius at `z`, m; beyond its ends those of the outermost section.
+    pub fn radii_at(&self, z: f64) -> [f64; 2] {
+        let ends = self.section_ends();
+        let section = ends[1..].partition_point(|end| *end < z);
+        self.sections[section.min(self.sections.len() - 1)].radii
+    }
+}
+
 /// A gear pair that has passed all checks, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
@@ -49,6 +112,8 @@ pub struct Pair {
     pub tip_corner_contact: bool,
     /// Law of the coefficient of friction.
     pub friction: FrictionLaw,
+    /// Shafts of gear 1 and gear 2 on their bearings. Static analyses alone know them: tables end at the gears.
+    pub shafts: [Option<Shaft>; 2],
     /// What is legal but worth knowing, one sentence each.
     pub warnings: Vec<String>,
 }

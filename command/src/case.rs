@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
 use gearmesh::friction::{Loss, Sliding, loss_factor_of, ohlendorf};
 use gearmesh::gear::{Flank, PairGeometry};
-use gearmesh::pair::Pair;
+use gearmesh::pair::{Pair, Shaft};
 use gearmesh::table::{Query, Table};
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, GearRoots, LoadCase, MeshCycle};
+use gearmesh_preprocessor::shaft::ShaftState;
 
 use crate::columns::{Column, columns};
 use crate::model::Fillets;
@@ -20,19 +21,21 @@ pub struct Case {
     pub face_load: FaceLoad,
     /// Stress in the roots of gear 1 and gear 2, where it is requested.
     pub roots: Option<[GearRoots; 2]>,
+    /// The shafts, mean over the mesh cycle, where the gears have any.
+    pub shafts: Option<ShaftState>,
 }
 
 impl Case {
-    /// A mesh cycle for each of `loads`, the rest as in `input`, with the stress in the roots where there are `fillets`;
+    /// A mesh cycle for each of `loads`, the rest as in `input`, with the gears on their `shafts` and the stress in the roots where there are `fillets`;
     /// `progress` gets the share of them that is solved.
     pub fn solve_all(
-        solver: &ContactSolver,
+        (solver, shafts): (&ContactSolver, &[Option<Shaft>; 2]),
         fillets: Option<&Fillets>,
         input: &CycleInput,
         loads: &[LoadCase],
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<Case>, ContactError> {
-        let cycles = MeshCycle::solve_all(solver, input, loads, progress)?;
+        let cycles = MeshCycle::solve_all(solver, shafts, input, loads, progress)?;
         let case = |(cycle, load): (MeshCycle, &LoadCase)| {
             let input = CycleInput {
                 torque: load.torque,
@@ -43,6 +46,7 @@ impl Case {
             Ok(Case {
                 roots: roots.transpose()?,
                 face_load: cycle.face_load(solver),
+                shafts: ShaftState::mean(&cycle.shafts),
                 input,
                 cycle,
             })
@@ -94,15 +98,19 @@ pub fn load_matrix(torques: &[f64], misalignments: &[f64]) -> Vec<LoadCase> {
 
 /// What a report shows mesh cycles of.
 pub enum Variant<'a> {
-    /// With its fillets where the stress in the roots is shown.
-    Pair(&'a ContactSolver, Option<&'a Fillets>),
+    /// With its shafts, and its fillets where the stress in the roots is shown.
+    Pair(
+        &'a ContactSolver,
+        &'a [Option<Shaft>; 2],
+        Option<&'a Fillets>,
+    ),
     Tables(Box<Table>),
 }
 
 impl Variant<'_> {
     pub fn geometry(&self) -> &PairGeometry {
         match self {
-            Variant::Pair(solver, _) => solver.geometry(),
+            Variant::Pair(solver, ..) => solver.geometry(),
             Variant::Tables(table) => &table.file.geometry,
         }
     }
@@ -123,9 +131,13 @@ impl Variant<'_> {
             positions,
         };
         match self {
-            Variant::Pair(solver, fillets) => {
-                Case::solve_all(solver, *fillets, &input(&loads[0]), &loads, &|_| {})
-            }
+            Variant::Pair(solver, shafts, fillets) => Case::solve_all(
+                (solver, shafts),
+                *fillets,
+                &input(&loads[0]),
+                &loads,
+                &|_| {},
+            ),
             Variant::Tables(table) => Ok(loads.iter().map(|l| of_table(table, input(l))).collect()),
         }
     }
@@ -164,6 +176,7 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
         },
         face_load: FaceLoad::default(),
         roots: None,
+        shafts: None,
     }
 }
 
@@ -195,6 +208,26 @@ pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
         "", ["per width", "N/(mm um)", 3] => 1e-9 * stiffness(&c.cycle) / width;
     }
 }
+
+/// What the shafts do, mean over the mesh cycle; none without shafts.
+pub fn on_shafts<'r>(case: Option<&Case>) -> Vec<Column<'static, Row<'r>>> {
+    if case.is_none_or(|case| case.shafts.is_none()) {
+        return vec![];
+    }
+    columns! { |c: &Row|
+        "shaft_misalignment_mrad", ["M shafts", "mrad", 4] => c.shafts.as_ref().map(|s| 1e3 * s.misalignment);
+        "shaft_bow_um", ["bow", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.bow());
+        "shaft_torsion_um", ["torsion", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.torsion_over_face());
+        "shaft_approach_loa_um", ["give way", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.approach);
+    }
+}
+
+pub const SHAFT_LEGEND: &str = "\
+With shafts on bearings. M shafts: misalignment of the axes at mid-face under load; bow: how much less bending closes both ends of
+the face than its middle; torsion: how much more twist closes the end of large z; give way: displacement on the line of action at
+mid-face through shafts and bearings, twist up to where the torques enter included. It is not in the STE, which is that of the teeth
+and bodies at mid-face.
+";
 
 pub const LEGEND: &str = "\
 STE: static transmission error on the line of action at mid-face, p-p: peak to peak, 1st harm.: amplitude of its first

@@ -14,6 +14,7 @@ use gearmesh::words::count;
 use gearmesh_preprocessor::finite_element::{
     ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, pair_root_stress,
 };
+use gearmesh_preprocessor::shaft::held_by_its_shafts;
 use indicatif::HumanDuration;
 
 use crate::columns::Listing;
@@ -174,6 +175,12 @@ impl ModelArgs {
         if self.plane_strain {
             words.push_str(", plane strain");
         }
+        match pair.shafts {
+            [Some(_), Some(_)] => words.push_str(", shafts on bearings"),
+            [Some(_), None] => words.push_str(", shaft of gear 1 on bearings"),
+            [None, Some(_)] => words.push_str(", shaft of gear 2 on bearings"),
+            [None, None] => {}
+        }
         if !pair.tip_corner_contact {
             words.push_str(", contact on the path only");
         }
@@ -227,6 +234,25 @@ fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> 
         [first, second] => format!("gear 1 {first}, gear 2 {second}"),
     };
     format!("{:.3} s, {words}", begin.elapsed().as_secs_f64())
+}
+
+/// Shafts on bearings.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Shafts")]
+pub struct ShaftArgs {
+    /// Whether the shafts of the pair file bend and twist on their bearings under the load [default: on]
+    #[arg(long, value_parser = PossibleValuesParser::new(["on", "off"]).map(|switch| switch == "on"))]
+    shafts: Option<bool>,
+}
+
+impl ShaftArgs {
+    /// `pair` as its contact takes it: on its shafts, or without any.
+    pub fn applied_to(&self, mut pair: Pair) -> Pair {
+        if self.shafts == Some(false) {
+            pair.shafts = [None, None];
+        }
+        held_by_its_shafts(&pair)
+    }
 }
 
 /// Where elastic models are kept.

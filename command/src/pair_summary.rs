@@ -5,6 +5,8 @@ use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, hand, lead};
 use gearmesh_preprocessor::pair::{self, Gauges};
+use gearmesh_preprocessor::shaft::misalignment_range;
+use gearmesh_preprocessor::{NominalContactStress, NominalStiffness};
 use serde_json::{Value, json};
 
 use crate::columns::{Column, Listing, columns, list, object, rows};
@@ -17,6 +19,7 @@ pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
         let mut rows = Listing::default();
         list(&mut rows, &gear(pair, i, gauges[i]), &());
         body(&pair.geometry.gears[i], &mut rows);
+        shaft(pair, i, &mut rows);
         modifications(pair, i, &mut rows);
         tooth_errors(pair, i, &mut rows);
         rows
@@ -36,6 +39,23 @@ pub fn as_json(pair: &Pair, gauges: [Gauges; 2]) -> Value {
     }
     all.insert("notes".into(), json!(pair.warnings));
     all.into()
+}
+
+/// Ends and bearings of the shaft of gear `i`.
+fn shaft(pair: &Pair, i: usize, rows: &mut Listing) {
+    let Some(shaft) = &pair.shafts[i] else { return };
+    let mm = |z: f64| rounded(1e3 * z);
+    let ends = shaft.section_ends();
+    let places: Vec<String> = shaft.bearings.iter().map(|b| mm(b.z).to_string()).collect();
+    let side = if shaft.torque_at_upper_end {
+        "upper"
+    } else {
+        "lower"
+    };
+    rows! { rows;
+        "shaft on bearings" => "z {} to {} mm, bearings at z {} mm, torque at its {side} end",
+            mm(ends[0]), mm(ends[ends.len() - 1]), places.join(", ");
+    }
 }
 
 /// What a build prints of the pair: tooth thickness, topographies, notes but for that on the teeth.
@@ -78,6 +98,10 @@ fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
         [one, two] => format!(", gear 1 {one}-handed, gear 2 {two}-handed"),
     };
     let backlash = 1e6 * g.backlash(c);
+    let nominal = pair.operating.nominal_torque;
+    let stiffness = NominalStiffness::new(g, nominal);
+    let stiffness =
+        move |of: fn(&NominalStiffness) -> f64| stiffness.as_ref().map(|s| 1e-9 * of(s));
     columns! { |_: &()|
         "name" => pair.name.clone();
         "", ["meshing", "", None] => g.ring().map_or("external", |_| "internal");
@@ -95,6 +119,10 @@ fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
         "backlash_um", ["backlash at the operating pitch circle", "um", 1] => backlash / phi.cos();
         "normal_backlash_um", ["backlash normal to the flanks j_bn", "um", 1] => backlash * cos_beta_b;
         "", ["teeth", "", None] => thinning(pair);
+        "single_stiffness_iso_6336_n_per_mm_um", ["single stiffness c' of ISO 6336-1", "N/(mm um)", 3] => stiffness(|s| s.single);
+        "mesh_stiffness_iso_6336_n_per_mm_um", ["mesh stiffness c_gamma_alpha of ISO 6336-1", "N/(mm um)", 3] => stiffness(|s| s.mesh);
+        "face_mesh_stiffness_iso_6336_n_per_mm_um" => stiffness(|s| s.along_face);
+        "sigma_h0_mpa", ["nominal contact stress sigma_H0 of ISO 6336-2", "MPa", 1] => 1e-6 * NominalContactStress::new(&pair.geometry, nominal).stress;
         "", ["normal force at nominal torque", "N", 1] => pair.operating.nominal_torque / first.base_radius() / cos_beta_b;
     }
 }
@@ -248,6 +276,10 @@ fn operating(pair: &Pair) -> Listing {
         "centre distance offset" => "{nearest} to {farthest} um";
         "misalignment" => "{least} to {largest} mrad";
         "friction" => "{}", pair.friction;
+    }
+    if let Some(range) = misalignment_range(&pair.geometry, &pair.shafts, o.maximum_torque) {
+        let [low, high] = range.map(|angle| rounded(angle * 1e3));
+        rows! { rows; "misalignment that the shafts cause" => "{low} to {high} mrad, with a margin"; }
     }
     rows
 }

@@ -251,31 +251,70 @@ impl ContactSolver {
     fn problem(
         &self,
         lines: &ContactLines<'_>,
-        mut candidates: Vec<Candidate>,
+        candidates: Vec<Candidate>,
     ) -> Result<PositionProblem, ContactError> {
         if candidates.is_empty() {
             return Err(self.setup.out_of_mesh(lines.center_distance_offset));
         }
-        for candidate in &mut candidates {
+        let seen = lines.all_seen_by_gears(&candidates);
+        let influence = self.influence_of(lines, &candidates, &seen)?;
+        let mut problem = PositionProblem::new(lines, candidates, influence);
+        problem.seen = seen;
+        problem.sample_along(lines);
+        self.apply(
+            &mut problem,
+            lines,
+            &Deflection::default(),
+            &self.deflection,
+        );
+        Ok(problem)
+    }
+
+    /// Deflects the flanks of `problem`, made by [`ContactSolver::position`] for `flank` and `mesh_position`, from `present` to `next`.
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    pub fn deflect(
+        &self,
+        problem: &mut PositionProblem,
+        (flank, mesh_position): (Flank, f64),
+        [present, next]: [&Deflection; 2],
+    ) -> Result<(), ContactError> {
+        let tau = mesh_position - mesh_position.floor();
+        let lines = self.lines(flank, tau, problem.center_distance_offset)?;
+        self.apply(problem, &lines, present, next);
+        Ok(())
+    }
+
+    fn apply(
+        &self,
+        problem: &mut PositionProblem,
+        lines: &ContactLines<'_>,
+        present: &Deflection,
+        next: &Deflection,
+    ) {
+        let own_share = self.setup.settings.own_share;
+        for candidate in &mut problem.candidates {
             let closed = candidate.points().map(|z| {
-                let [closing, slope] = self.deflection.closing(z);
                 let y = lines.contact_line(candidate.tooth_pair, z);
-                closing + slope * lines.lean() * y
+                let closed = |by: &Deflection| {
+                    let [closing, slope] = by.closing(z);
+                    closing + slope * lines.lean() * y
+                };
+                closed(next) - closed(present)
             });
-            let closed = along_segment(closed, self.setup.settings.own_share);
+            let closed = along_segment(closed, own_share);
             for (gap, closed) in candidate.gap.iter_mut().zip(closed) {
                 *gap -= closed;
             }
         }
-        let seen = lines.all_seen_by_gears(&candidates);
-        let influence = self.influence_of(lines, &candidates, &seen)?;
-        let mut problem = PositionProblem::new(lines, candidates, influence);
         // Compared with approach and misalignment alone.
-        let [_, largest] = self.deflection_range(&self.deflection);
-        problem.reach = problem.reach.map(|reach| reach - largest.max(0.0));
-        problem.seen = seen;
-        problem.sample_along(lines);
-        Ok(problem)
+        let largest = |by: &Deflection| match by == &Deflection::default() {
+            true => 0.0,
+            false => self.deflection_range(by)[1].max(0.0),
+        };
+        let more = largest(next) - largest(present);
+        problem.reach = problem.reach.map(|reach| reach - more);
     }
 
     /// Sliding of `result`, a solution of `problem`, weighted by `law`.

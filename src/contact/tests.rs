@@ -38,6 +38,7 @@ fn plain_pair(name: &str) -> Pair {
         refinement: Refinement::Coarse,
         tip_corner_contact: true,
         friction: FrictionLaw::default(),
+        shafts: [None, None],
         warnings: vec![],
     }
 }

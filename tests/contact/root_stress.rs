@@ -41,7 +41,7 @@ fn solve(pair: &Pair, flank: Flank, cases: &[(f64, f64)]) -> Vec<[GearRoots; 2]>
         misalignment,
     };
     let cases: Vec<LoadCase> = cases.iter().map(case).collect();
-    let cycles = MeshCycle::solve_all(&solver, &input, &cases, &|_| ()).unwrap();
+    let cycles = MeshCycle::solve_all(&solver, &[None, None], &input, &cases, &|_| ()).unwrap();
     let roots = |cycle: &MeshCycle| cycle.root_stress(&solver, &input, &models).unwrap();
     cycles.iter().map(roots).collect()
 }

@@ -1,6 +1,7 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
 mod sections;
+mod shafts;
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +16,7 @@ use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words
 use crate::columns::{Column, Listing, columns, lines, list};
 use crate::error::Result;
 use crate::inspect::is_tables;
-use crate::model::{ModelArgs, widen};
+use crate::model::{ModelArgs, ShaftArgs, widen};
 use crate::output::{self, Job};
 use crate::page::{Page, Section, origin};
 use crate::pair_summary::pair_summary;
@@ -68,6 +69,9 @@ pub struct Report {
     largest_speed_rpm: f64,
 
     #[command(flatten)]
+    shafts: ShaftArgs,
+
+    #[command(flatten)]
     model: ModelArgs,
 }
 
@@ -80,9 +84,10 @@ impl Report {
             output::make_folder("--figures", folder)?;
         }
         let job = self.model.start()?;
-        let pair = self.model.applied_to(pair);
+        let drawn = self.model.applied_to(pair);
+        let pair = self.shafts.applied_to(drawn.clone());
         let loads = self.loads(&pair);
-        let summary = pair_summary(&pair, gauges);
+        let summary = pair_summary(&drawn, gauges);
         let (description, sections) = self.pair_sections(pair.clone(), &loads, &job)?;
         let note = format!("Elastic model: {description}.");
         let mut page = Page {
@@ -93,7 +98,7 @@ impl Report {
         page.sections
             .push(Section::new("Pair", note, vec![]).with_text(summary));
         if let Some(path) = &self.tables {
-            page.sections.push(self.tables_section(path, &pair)?);
+            page.sections.push(self.tables_section(path, &drawn)?);
         }
         if let Some(folder) = &self.study {
             page.sections.push(study::bands_of(folder, &pair.name)?);
@@ -137,9 +142,9 @@ impl Report {
         let roots = self.model.root_stress.then_some(Flank::Drive);
         let model = self.model.model(&pair, roots, job)?;
         let solver = &model.solver;
-        let with_roots = Variant::Pair(solver, model.fillets.as_ref());
+        let with_roots = Variant::Pair(solver, &pair.shafts, model.fillets.as_ref());
         let aligned = with_roots.cases(&loads.torques, &[0.0], self.positions)?;
-        let variant = Variant::Pair(solver, None);
+        let variant = Variant::Pair(solver, &pair.shafts, None);
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
         let nominal = variant.cases(&[loads.nominal], &tilts, self.positions)?;
@@ -147,6 +152,9 @@ impl Report {
         let mut all = variant_sections(&variant, loads, &aligned, &survey)?;
         complete_overview(&mut all[0], &pair, &nominal[0]);
         all.insert(1, table(solver, &aligned));
+        if let Some(section) = shafts::section(&pair, &variant, loads)? {
+            all.insert(2, section);
+        }
         if self.model.root_stress {
             all.push(sections::roots(&aligned, loads.nominal));
         }
@@ -180,6 +188,7 @@ impl Report {
     fn other(&self, path: &Path, loads: &Loads, job: &Job) -> Described {
         if !is_tables(&output::read_text(path)?) {
             let pair = self.model.applied_to(pair::read(path)?);
+            let pair = self.shafts.applied_to(pair);
             let (_, sections) = self.pair_sections(pair.clone(), loads, job)?;
             return Ok((pair.name, sections));
         }

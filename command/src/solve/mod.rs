@@ -2,6 +2,8 @@
 
 mod results;
 
+pub use results::{bearing_columns, bearings};
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -12,15 +14,18 @@ use gearmesh::pair::Pair;
 use gearmesh::words::{count, rounded};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::shaft::misalignment_range;
 use gearmesh_preprocessor::storage::csv_reader;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::case::{Case, LEGEND, details, load, load_matrix, summary, torque_in_words};
+use crate::case::{
+    Case, LEGEND, SHAFT_LEGEND, details, load, load_matrix, on_shafts, summary, torque_in_words,
+};
 use crate::columns::{Column, Listing, columns, list, rows, table};
 use crate::error::Result;
 use crate::limits;
-use crate::model::{Model, ModelArgs, widen};
+use crate::model::{Model, ModelArgs, ShaftArgs, widen};
 use crate::output::{self, Job};
 use results::{
     at_positions, largest_tooth, losses, nominal, nominal_stress, notes, positions, root_stress,
@@ -51,6 +56,9 @@ pub struct Solve {
     /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
     #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(|name| if name == "coast" { Flank::Coast } else { Flank::Drive }))]
     flank: Flank,
+
+    #[command(flatten)]
+    shafts: ShaftArgs,
 
     #[command(flatten)]
     deflection: DeflectionArgs,
@@ -88,11 +96,19 @@ struct Solved {
 
 impl Solve {
     pub fn run(self) -> Result<()> {
-        let mut pair = self.model.applied_to(pair::read(&self.pair)?);
+        let pair = self.model.applied_to(pair::read(&self.pair)?);
+        let mut pair = self.shafts.applied_to(pair);
         let loads = self.loads(&pair)?;
         let deflection = self.deflection.read(&pair.geometry)?;
+        let has_shafts = pair.shafts.iter().any(Option::is_some);
+        if has_shafts && deflection.is_some() {
+            let option = self.deflection.option();
+            refuse!(
+                "{option}: it says how the shafts bend, and so do the shafts of the pair file; leave it out, or add --shafts off"
+            );
+        }
         if let Some(folder) = &self.output {
-            results::check(folder, self.model.root_stress)?;
+            results::check(folder, self.model.root_stress, has_shafts)?;
         }
         let bent = deflection.as_ref().map_or(0.0, |deflection| {
             let (low, width) = pair.geometry.face_overlap();
@@ -109,7 +125,7 @@ impl Solve {
         let solved = self.solve(pair, &loads, deflection.as_ref(), &job)?;
         let solver = &solved.model.solver;
         if let Some(folder) = &self.output {
-            results::write(folder, solver, &solved.cases)?;
+            results::write(folder, solver, &solved.pair, &solved.cases)?;
         }
         let mut text = if self.json {
             let json = |case| results::json(solver, &solved.pair, case, &self.speed_rpm);
@@ -165,7 +181,13 @@ impl Solve {
         };
         let progress = |share| job.show("static contact", share);
         let fillets = model.fillets.as_ref();
-        let cases = Case::solve_all(&model.solver, fillets, &input, loads, &progress)?;
+        let cases = Case::solve_all(
+            (&model.solver, &pair.shafts),
+            fillets,
+            &input,
+            loads,
+            &progress,
+        )?;
         Ok(Solved { pair, model, cases })
     }
 }
@@ -198,6 +220,12 @@ fn text(solved: &Solved, speeds: &[f64]) -> String {
         rows! { rows; "time for the model of the fillets" => "{}", f.effort; }
     }
     rows! { rows; "time for the contact" => "{seconds:.3} s"; }
+    let pair = &solved.pair;
+    let torque = pair.operating.maximum_torque;
+    if let Some(range) = misalignment_range(&pair.geometry, &pair.shafts, torque) {
+        let [low, high] = range.map(|m| rounded(1e3 * m));
+        rows! { rows; "misalignment that tables of this pair need" => "{low} to {high} mrad, for {} on either flank", torque_in_words(torque); }
+    }
     text + &format!("\n{rows}") + &all_notes(solved)
 }
 
@@ -206,7 +234,7 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
     let harmonics = case.cycle.harmonics().map(|h| h.map(|h| 1e6 * h.amplitude));
     let harmonics = harmonics.map(|h| h.map_or("-".into(), |h| format!("{h:.4}")));
     let mut first = Listing::default();
-    for columns in [load(), summary(solver)] {
+    for columns in [load(), summary(solver), on_shafts(Some(case))] {
         list(&mut first, &columns, &case);
     }
     rows! { first; "harmonics 1 to 10" => "{} um", harmonics.join(" "); }
@@ -216,6 +244,14 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
          pair k: share of a tooth pair in the load. Pair 0 touches at the pitch point at mid-face at mesh position 0;\n\
          pair 1 is ahead of it by one pitch and leaves the mesh first, pair -1 comes into mesh after it.\n";
     text += LEGEND;
+    if let Some(state) = &case.shafts {
+        let all = results::bearings(&solved.pair, state);
+        text += &format!(
+            "{SHAFT_LEGEND}\n{}",
+            table(&results::bearing_columns(), all)
+        );
+        text += "Forces of the housing on the shaft: x from gear 1 to gear 2, y across it, z along the axes.\n";
+    }
     list(rows, &details(solver), &case);
     rows! { rows; "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual(); }
     if !speeds.is_empty() {
@@ -240,7 +276,11 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
 fn many(solved: &Solved, cases: &[Case]) -> String {
     let mut columns = load();
     columns.extend(summary(&solved.model.solver));
+    columns.extend(on_shafts(cases.first()));
     let mut text = format!("{}\n{LEGEND}", table(&columns, cases));
+    if cases[0].shafts.is_some() {
+        text += SHAFT_LEGEND;
+    }
     if solved.model.fillets.is_some() {
         let mut columns = load();
         columns.extend(largest_root_stress());
@@ -326,6 +366,14 @@ struct DeflectionArgs {
 const LARGEST_UM: f64 = 1e4;
 
 impl DeflectionArgs {
+    /// The option that is given.
+    fn option(&self) -> &'static str {
+        match self.deflection {
+            Some(_) => "--deflection",
+            None => "--bow-um",
+        }
+    }
+
     /// The deflection; None where none is requested.
     fn read(&self, geometry: &PairGeometry) -> Result<Option<Deflection>> {
         if let Some(path) = &self.deflection {

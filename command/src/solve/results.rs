@@ -9,41 +9,46 @@ use gearmesh::contact::{ContactSolver, RootPoint, SegmentLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, harmonics};
+use gearmesh_preprocessor::shaft::{AtNode, BearingLoad, ShaftState};
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 
-use crate::case::{Case, details, load, summary};
+use crate::case::{Case, details, load, on_shafts, summary};
 use crate::columns::{Column, columns, csv, lists, object};
 use crate::error::Result;
 use crate::output;
 
-/// Names of the files in the folder; the last two only where root stress is requested.
-const NAMES: [&str; 7] = [
+/// Names of the files in the folder, of those of root stress, and of those of shafts on bearings.
+const NAMES: [&str; 5] = [
     "load-distribution.csv",
     "mesh-cycle.csv",
     "stiffness.csv",
     "face-load.csv",
     "summary.csv",
-    "root-stress.csv",
-    "root-stress-field.csv",
 ];
+const ROOT_NAMES: [&str; 2] = ["root-stress.csv", "root-stress-field.csv"];
+const SHAFT_NAMES: [&str; 3] = ["bearings.csv", "shafts.csv", "shaft-closing.csv"];
 
-/// Refuses a folder that cannot take the files, those of root stress if it is requested, and makes it if it is not there.
-pub fn check(folder: &Path, root_stress: bool) -> Result<()> {
+/// Refuses a folder that cannot take the files, those of root stress and shafts if there are any, and makes it if it is not there.
+pub fn check(folder: &Path, root_stress: bool, shafts: bool) -> Result<()> {
     output::make_folder("--output", folder)?;
-    for name in &NAMES[..if root_stress { 7 } else { 5 }] {
+    let roots = ROOT_NAMES.iter().filter(|_| root_stress);
+    let of_shafts = SHAFT_NAMES.iter().filter(|_| shafts);
+    for name in NAMES.iter().chain(roots).chain(of_shafts) {
         output::check_writable(&folder.join(name), [] as [&Path; 0])?;
     }
     Ok(())
 }
 
-pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<()> {
+pub fn write(folder: &Path, solver: &ContactSolver, pair: &Pair, cases: &[Case]) -> Result<()> {
     let geometry = solver.geometry();
     let mut pairs: Vec<i32> = cases.iter().flat_map(|c| c.cycle.tooth_pairs()).collect();
     pairs.sort_unstable();
     pairs.dedup();
     let mut row = summary(solver);
+    row.extend(on_shafts(cases.first()));
     row.extend(harmonic_columns());
+    let mut names = NAMES.to_vec();
     let mut tables = vec![
         csv(&load(), &distribution(geometry), cases, segments)?,
         csv(&load(), &positions(&pairs), cases, at_positions)?,
@@ -54,8 +59,16 @@ pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<()
     if cases.iter().any(|case| case.roots.is_some()) {
         tables.push(csv(&load(), &root_stress(), cases, loaded_teeth)?);
         tables.push(csv(&load(), &root_field(), cases, largest_fields)?);
+        names.extend(ROOT_NAMES);
     }
-    for (name, table) in NAMES.iter().zip(tables) {
+    if cases.iter().any(|case| case.shafts.is_some()) {
+        let bears = |case: &Case| (case.shafts.as_ref()).map_or(vec![], |s| bearings(pair, s));
+        tables.push(csv(&load(), &bearing_columns(), cases, bears)?);
+        tables.push(csv(&load(), &axis_columns(), cases, axes)?);
+        tables.push(csv(&load(), &closing_columns(), cases, closings)?);
+        names.extend(SHAFT_NAMES);
+    }
+    for (name, table) in names.iter().zip(tables) {
         output::write_whole(&folder.join(name), &table)?;
     }
     Ok(())
@@ -73,6 +86,7 @@ pub fn json(
     let shares = |i| -> Vec<f64> { pairs.iter().map(|&k| case.share(i, k)).collect() };
     let mut json = object(&load(), &case);
     json.extend(object(&summary(solver), &case));
+    json.extend(object(&on_shafts(Some(case)), &case));
     json.extend(object(&details(solver), &case));
     // Of what has both, a list over the positions stands here, not the value of the cycle.
     let rows: Vec<At> = at_positions(case).collect();
@@ -94,6 +108,15 @@ pub fn json(
         "face_load_n_per_mm",
         load.iter().map(|load| 1e-3 * load).collect(),
     );
+    if let Some(state) = &case.shafts {
+        let bearings = bearings(pair, state);
+        let rows = bearings.iter().map(|row| object(&bearing_columns(), row));
+        more("bearings", rows.collect());
+        let list =
+            |values: &[f64], unit: f64| json!(values.iter().map(|v| unit * v).collect::<Vec<_>>());
+        more("shaft_closing_z_mm", list(&state.z, 1e3));
+        more("shaft_closing_um", list(&state.closing, 1e6));
+    }
     if let Some(gears) = &case.roots {
         let positions = cycle.results.len();
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
@@ -198,6 +221,88 @@ fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<
         "pressure_mpa" => 1e-6 * s.pressure;
         "edge_line_load_n_per_mm" => s.edge.map_or(0.0, |edge| 1e-3 * edge.line_load);
         "gap_um" => 1e6 * s.gap;
+    }
+}
+
+/// A bearing of a gear's shaft: gear, number and place (m from the gear's own z = 0 face), and what it bears.
+pub struct BearingRow {
+    gear: usize,
+    number: usize,
+    z: f64,
+    load: BearingLoad,
+}
+
+/// Every bearing of both shafts of `pair` in `state`.
+pub fn bearings(pair: &Pair, state: &ShaftState) -> Vec<BearingRow> {
+    let of_gear = |gear: usize| {
+        let given = pair.shafts[gear].iter().flat_map(|shaft| &shaft.bearings);
+        let loads = given.zip(&state.bearings[gear]).enumerate();
+        loads.map(move |(k, (bearing, load))| BearingRow {
+            gear: gear + 1,
+            number: k + 1,
+            z: bearing.z,
+            load: *load,
+        })
+    };
+    (0..2).flat_map(of_gear).collect()
+}
+
+pub fn bearing_columns() -> Vec<Column<'static, BearingRow>> {
+    columns! { |b: &BearingRow|
+        "gear", ["gear", "", None] => b.gear;
+        "bearing", ["bearing", "", None] => b.number;
+        "z_mm", ["z", "mm", 2] => 1e3 * b.z;
+        "force_x_n", ["F_x", "N", 1] => b.load.linear[0];
+        "force_y_n", ["F_y", "N", 1] => b.load.linear[1];
+        "force_z_n", ["F_z", "N", 1] => b.load.linear[2];
+        "radial_force_n", ["radial", "N", 1] => b.load.linear[0].hypot(b.load.linear[1]);
+        "tilting_moment_nm", ["tilting moment", "N m", 3] => b.load.angular[0].hypot(b.load.angular[1]);
+    }
+}
+
+type OnAxis = (usize, f64, AtNode);
+
+fn axes(case: &Case) -> Vec<OnAxis> {
+    let axes = case
+        .shafts
+        .iter()
+        .flat_map(|state| state.axes.iter().enumerate());
+    let points = axes.flat_map(|(gear, axis)| axis.iter().map(move |(z, at)| (gear + 1, *z, *at)));
+    points.collect()
+}
+
+fn axis_columns<'r>() -> Vec<Column<'static, OnAxis>> {
+    columns! { |(gear, z, at): &OnAxis|
+        "gear" => *gear;
+        "z_mm" => 1e3 * z;
+        "x_um" => 1e6 * at.linear[0];
+        "y_um" => 1e6 * at.linear[1];
+        "axial_um" => 1e6 * at.linear[2];
+        "tilt_x_mrad" => 1e3 * at.angular[0];
+        "tilt_y_mrad" => 1e3 * at.angular[1];
+        "twist_mrad" => 1e3 * at.angular[2];
+    }
+}
+
+/// z, what the shafts close there, and torsion of that, m.
+fn closings(case: &Case) -> Vec<[f64; 3]> {
+    let closing = |state: &ShaftState| {
+        let values = state.closing.iter().zip(&state.torsion);
+        let rows = state
+            .z
+            .iter()
+            .zip(values)
+            .map(|(z, (all, torsion))| [*z, *all, *torsion]);
+        rows.collect()
+    };
+    case.shafts.as_ref().map(closing).unwrap_or_default()
+}
+
+fn closing_columns() -> Vec<Column<'static, [f64; 3]>> {
+    columns! { |row: &[f64; 3]|
+        "z_mm" => 1e3 * row[0];
+        "closing_um" => 1e6 * row[1];
+        "torsion_um" => 1e6 * row[2];
     }
 }
 

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use crate::error::Result;
-use crate::model::{ModelArgs, widen};
+use crate::model::{ModelArgs, ShaftArgs, widen};
 use crate::{limits, output};
 use setup::{FLANK, MOST_CYCLES, Setup};
 use show::Summary;
@@ -72,6 +72,9 @@ pub struct Study {
     restart: bool,
 
     #[command(flatten)]
+    shafts: ShaftArgs,
+
+    #[command(flatten)]
     model: ModelArgs,
 }
 
@@ -83,7 +86,8 @@ fn class(text: &str) -> Result<u8, String> {
 impl Study {
     pub fn run(self) -> Result<()> {
         let draft = PairDraft::read(&self.pair)?;
-        let mut pair = self.model.applied_to(draft.pair()?);
+        let drawn = self.model.applied_to(draft.pair()?);
+        let mut pair = self.shafts.applied_to(drawn.clone());
         let mut torques = self.torques_nm.clone();
         if torques.is_empty() {
             torques.push(pair.operating.nominal_torque);
@@ -105,7 +109,7 @@ impl Study {
             seed: self.seed,
             positions: self.positions,
         };
-        setup.check(&pair, samples)?;
+        setup.check(&drawn, samples)?;
         let Setup { plan, torques, .. } = &setup;
         let range = |field: &str, unit: f64| {
             let varied = plan.all().filter(|v| v.fields().any(|f| f == field));

@@ -95,7 +95,7 @@ impl Setup {
                          its own; vary modifications, {LOADS}"
                     );
                 }
-                acts |= found.microgeometry.flank(FLANK) != drawn;
+                acts |= found.microgeometry.flank(FLANK) != drawn || found.shafts != pair.shafts;
             }
             if !acts {
                 refuse!(
@@ -150,12 +150,25 @@ impl Setup {
             misalignment,
             positions: self.positions,
         };
+        let changed = self.changed(values)?.pair()?;
+        let on_shafts = pair.shafts.iter().any(Option::is_some);
         let pair = Pair {
-            microgeometry: self.changed(values)?.pair()?.microgeometry,
+            microgeometry: changed.microgeometry,
+            shafts: if on_shafts {
+                changed.shafts
+            } else {
+                [None, None]
+            },
             ..pair.clone()
         };
         let solver = ContactSolver::new(&pair, model.compliance.clone(), *model.solver.settings())?;
-        let cases = Case::solve_all(&solver, model.fillets.as_ref(), &input, &loads, &|_| ())?;
+        let cases = Case::solve_all(
+            (&solver, &pair.shafts),
+            model.fillets.as_ref(),
+            &input,
+            &loads,
+            &|_| (),
+        )?;
         let values = |case: &Case| {
             let values = self.outcomes.iter().map(|outcome| outcome.number(case));
             values.map(|v| v.map_or(f64::NAN, rounded)).collect()

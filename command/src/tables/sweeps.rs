@@ -227,9 +227,9 @@ pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Resu
                 misalignment: 0.0,
                 positions: POSITIONS,
             };
-            MeshCycle::solve_all(solver, &input, &loads, &|_| {}).map_err(|error| {
-                format!("the operating range of the pair file cannot be covered: {error}")
-            })?;
+            MeshCycle::solve_all(solver, &[None, None], &input, &loads, &|_| {}).map_err(
+                |error| format!("the operating range of the pair file cannot be covered: {error}"),
+            )?;
         }
     }
     Ok(())

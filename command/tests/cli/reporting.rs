@@ -81,3 +81,21 @@ fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
         assert!((own.1 / table.1 - 1.0).abs() < 0.1, "{} {}", own.1, table.1);
     }
 }
+
+#[test]
+fn a_report_of_a_pair_on_shafts_draws_them_with_both_senses_of_the_torque() {
+    let folder = Folder::new();
+    let pair = super::solving::on_bearings(&folder);
+    let page = folder.path("report.html");
+    succeed!("report {pair} --torques-nm 100 --positions 8 -o {page} {QUICK}");
+    let html = folder.read("report.html");
+    contains!(
+        html,
+        "Shafts and bearings to scale",
+        "K_Hbeta over torque",
+        "Radial forces on the bearings",
+        "coast flank"
+    );
+    succeed!("report {pair} --torques-nm 100 --positions 8 --shafts off -o {page} {QUICK}");
+    assert!(!folder.read("report.html").contains("Shafts and bearings"));
+}

@@ -246,3 +246,72 @@ fn the_error_is_estimated_from_another_refinement_and_that_of_nothing_is_none() 
         assert_eq!(pressure.contains("none"), is_none, "{estimate}");
     }
 }
+
+/// The paper's pair with gear 1 overhung on a shaft with two bearings, in `folder`.
+pub fn on_bearings(folder: &Folder) -> String {
+    let mut pair: Value = serde_json::from_str(&std::fs::read_to_string(PAPER).unwrap()).unwrap();
+    pair["gear1"]["shaft"] = serde_json::json!({
+        "start_mm": -60, "torque_end": "lower",
+        "sections": [{"diameter_mm": 30, "length_mm": 90}],
+        "bearings": [
+            {"z_mm": -50, "radial_stiffness_n_per_um": 200, "axial_stiffness_n_per_um": 80, "radial_clearance_um": 10},
+            {"z_mm": -15, "radial_stiffness_n_per_um": 200}]
+    });
+    folder.write("on-bearings.json", &pair.to_string())
+}
+
+#[test]
+fn contact_on_shafts_is_that_under_the_deflection_that_it_gives() {
+    let folder = Folder::new();
+    let pair = on_bearings(&folder);
+    for flank in ["drive", "coast"] {
+        let options = format!("--positions 4 --flank {flank} --json {QUICK}");
+        let solved: Value = serde_json::from_str(&succeed!("solve {pair} {options}")).unwrap();
+        let number = |of: &Value, name: &str| of[name].as_f64().unwrap_or_else(|| panic!("{name}"));
+        let rows = numbers(&solved["shaft_closing_z_mm"])
+            .into_iter()
+            .zip(numbers(&solved["shaft_closing_um"]));
+        let rows: String = rows
+            .map(|(z, closing)| format!("{z},{closing}\n"))
+            .collect();
+        let curve = folder.write("closing.csv", &format!("z_mm,closing_um\n{rows}"));
+        let line = format!("solve {pair} {options} --shafts off --deflection {curve}");
+        let bent: Value = serde_json::from_str(&succeed!("{line}")).unwrap();
+        // The shafts bend by the load of every position, the curve is their mean.
+        for (name, most) in [("mean_ste_loa_um", 0.002), ("face_load_factor", 0.01)] {
+            let [a, b] = [&solved, &bent].map(|of| number(of, name));
+            assert!((a / b - 1.0).abs() < most, "{flank} {name}: {a} {b}");
+        }
+        let straight = succeed!("solve {pair} {options} --shafts off");
+        let straight: Value = serde_json::from_str(&straight).unwrap();
+        assert!(number(&solved, "face_load_factor") > 1.2 * number(&straight, "face_load_factor"));
+        // Both bearings hold the force on the line of action.
+        let sum = |axis: &str| -> f64 {
+            let bearings = solved["bearings"].as_array().unwrap();
+            bearings.iter().map(|b| number(b, axis)).sum()
+        };
+        let force = 100.0 / 38.456e-3;
+        assert!((sum("force_x_n").hypot(sum("force_y_n")) / force - 1.0).abs() < 1e-3);
+        assert!(straight.get("bearings").is_none());
+    }
+}
+
+#[test]
+fn shafts_are_not_counted_twice() {
+    let folder = Folder::new();
+    let pair = on_bearings(&folder);
+    refused!("solve {pair} --bow-um 3 {QUICK}"; "--bow-um", "--shafts off");
+    let text = succeed!("solve {pair} --positions 4 {QUICK}");
+    contains!(
+        text,
+        "shaft of gear 1 on bearings",
+        "M shafts",
+        "It is not in the STE",
+        "that tables of this pair need"
+    );
+    contains!(
+        succeed!("inspect {pair}"),
+        "belong to the multibody model",
+        "misalignment that the shafts cause"
+    );
+}

@@ -10,7 +10,10 @@ use crate::pair::LARGEST_DEFLECTION;
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::pair::Shaft;
 use gearmesh::words::count;
+
+use crate::shaft::{ShaftState, Shafts};
 
 /// Loaded segments along a contact line that tell its largest pressure to some 4 %; two of them tell it 25 % too low.
 pub const ENOUGH_SEGMENTS: usize = 6;
@@ -46,6 +49,8 @@ pub struct MeshCycle {
     pub sliding: Vec<Sliding>,
     /// The same with the weights of the pair's law of friction.
     pub friction: Vec<Sliding>,
+    /// The shafts at each, where the gears have any.
+    pub shafts: Vec<ShaftState>,
     /// Wall clock of the whole cycle, s; of cycles that were solved together their mean.
     pub solve_seconds: f64,
 }
@@ -59,8 +64,11 @@ pub struct LoadCase {
     pub misalignment: f64,
 }
 
+/// Contact, shafts, no-load approach (m) and sliding at a position.
+type Solved = (ContactResult, Option<ShaftState>, f64, [Sliding; 2]);
+
 impl MeshCycle {
-    /// Solves all positions, in parallel.
+    /// Solves all positions, in parallel, without shafts.
     ///
     /// # Errors
     /// [`ContactError::Input`] for no positions, else the first error of a position.
@@ -69,18 +77,20 @@ impl MeshCycle {
             torque: input.torque,
             misalignment: input.misalignment,
         };
-        let mut cycles = MeshCycle::solve_all(solver, input, &[case], &|_| ())?;
+        let mut cycles = MeshCycle::solve_all(solver, &[None, None], input, &[case], &|_| ())?;
         let missing = || ContactError::input("load cases", 0.0, "give at least 1");
         cycles.pop().ok_or_else(missing)
     }
 
-    /// Solves `cases` in place of the load of `input`, a cycle for each in their order: the influence matrix of
-    /// a position serves all of them. `progress` is told the share that is done, from any thread.
+    /// Solves `cases` in place of the load of `input`, a cycle for each in their order, with each gear that has one on its shaft of
+    /// `shafts`: the misalignment is then that of the unloaded shafts. The influence matrix of a position serves all cases.
+    /// `progress` is told the share that is done, from any thread.
     ///
     /// # Errors
     /// As [`MeshCycle::solve`].
     pub fn solve_all(
         solver: &ContactSolver,
+        shafts: &[Option<Shaft>; 2],
         input: &CycleInput,
         cases: &[LoadCase],
         progress: &(dyn Fn(f64) + Sync),
@@ -94,17 +104,37 @@ impl MeshCycle {
         let mesh_position: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
         let done = AtomicUsize::new(0);
         let even = FrictionLaw::default();
+        let geometry = solver.geometry();
+        let shafts = Shafts::new(geometry, shafts, input.flank, input.center_distance_offset);
+        let largest = cases.iter().map(|case| case.torque).fold(0.0, f64::max);
+        // Where the shafts open the flanks the others approach by as much more.
+        let range = (shafts.as_ref()).map_or(0.0, |s| 2.0 * s.range(geometry, largest));
+        let solver = &solver.clone().followed_to(solver.setup().reach + range);
         let solve = |tau: &f64| {
-            let at = solver.position(input.flank, *tau, input.center_distance_offset)?;
-            let mut solved: Vec<(ContactResult, f64, [Sliding; 2])> = vec![];
+            let mut at = solver.position(input.flank, *tau, input.center_distance_offset)?;
+            let mut solved: Vec<Solved> = Vec::with_capacity(cases.len());
             for case in cases {
                 // The case before is a near one.
-                let warm = solved.last().map(|(result, ..)| result);
-                let result = at.solve_torque(case.torque, case.misalignment, warm)?;
+                let warm = solved
+                    .last()
+                    .map(|(result, state, ..)| (result, state.as_ref()));
+                let (result, state) = match &shafts {
+                    Some(shafts) => {
+                        let warm = warm.and_then(|(result, state)| Some((result, state?)));
+                        let load = [case.torque, case.misalignment];
+                        let found =
+                            shafts.solve(solver, &mut at, (input.flank, *tau), load, warm)?;
+                        (found.0, Some(found.1))
+                    }
+                    None => {
+                        let warm = warm.map(|(result, _)| result);
+                        (at.solve_torque(case.torque, case.misalignment, warm)?, None)
+                    }
+                };
                 let sliding =
                     [even, solver.friction()].map(|law| solver.sliding(&at, &result, &law));
                 let no_load = at.no_load_approach(case.misalignment);
-                solved.push((result, no_load, sliding));
+                solved.push((result, state, no_load, sliding));
                 let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(count as f64 / (n * cases.len()) as f64);
             }
@@ -120,8 +150,9 @@ impl MeshCycle {
         let mut cycles = vec![empty; cases.len()];
         for position in solved {
             for (cycle, found) in cycles.iter_mut().zip(position) {
-                let (result, no_load, [sliding, friction]) = found;
+                let (result, state, no_load, [sliding, friction]) = found;
                 cycle.results.push(result);
+                cycle.shafts.extend(state);
                 cycle.no_load_approach.push(no_load);
                 cycle.sliding.push(sliding);
                 cycle.friction.push(friction);

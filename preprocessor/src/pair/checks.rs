@@ -151,7 +151,8 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
     // The end of a range that is farther from nominal.
     let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
     let o = &file.operating;
-    let [offset, tilt] = [o.center_distance_offset_um, o.misalignment_mrad].map(farther);
+    let offset = farther(o.center_distance_offset_um);
+    let tilt = o.misalignment_mrad.map_or(0.0, farther);
     let backlash = file.backlash_um.unwrap_or(0.0);
     let mut notes = vec![
         note("helix_angle_deg", helix, LEAST_HELIX),
@@ -301,6 +302,9 @@ fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// mrad.
+pub(super) const LARGEST_MISALIGNMENT: f64 = 20.0;
+
 fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     let (o, [least, most]) = (&file.operating, TORQUES);
     let nominal = o.nominal_torque_nm;
@@ -313,5 +317,7 @@ fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     };
     let offset = o.center_distance_offset_um;
     range("operating.center_distance_offset_um", offset, 1e4)?;
-    range("operating.misalignment_mrad", o.misalignment_mrad, 20.0)
+    o.misalignment_mrad.map_or(Ok(()), |m| {
+        range("operating.misalignment_mrad", m, LARGEST_MISALIGNMENT)
+    })
 }

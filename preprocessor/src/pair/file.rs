@@ -245,7 +245,8 @@ impl GearFile {
     }
 }
 
-/// `shaft` of a gear: its pieces on both sides of the face, up to where the shaft of the multibody model takes over.
+/// `shaft` of a gear: its pieces on both sides of the face, up to where the shaft of the multibody model takes over, and the
+/// whole shaft on its bearings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShaftFile {
@@ -253,6 +254,81 @@ pub struct ShaftFile {
     pub upper: Option<ShaftPieceFile>,
     /// Which ends are held. Default: that of the only piece; of two it must be said.
     pub held: Option<HeldEnds>,
+    /// The whole shaft from low to high z, for static analyses on its bearings.
+    pub sections: Option<Vec<ShaftSectionFile>>,
+    /// Lower end of the first section, from the gear's z = 0 face; required with `sections`, as are the next two.
+    pub start_mm: Option<f64>,
+    pub bearings: Option<Vec<BearingFile>>,
+    /// Where the torque enters or leaves.
+    pub torque_end: Option<ShaftEnd>,
+    /// Diameter up to which the gear stiffens the shaft. Default: root circle, or outside of the hub.
+    pub seat_diameter_mm: Option<f64>,
+    /// Of the shaft. Default 206.
+    pub youngs_modulus_gpa: Option<f64>,
+    /// Of the shaft. Default 0.3.
+    pub poisson_ratio: Option<f64>,
+}
+
+impl ShaftFile {
+    /// Whether it says what the finite-element model has of the shaft.
+    pub fn has_pieces(&self) -> bool {
+        self.lower.is_some() || self.upper.is_some() || self.held.is_some()
+    }
+
+    /// What it says of the shaft on bearings first, by field.
+    pub fn on_bearings(&self) -> Option<&'static str> {
+        let fields = [
+            ("sections", self.sections.is_some()),
+            ("bearings", self.bearings.is_some()),
+            ("start_mm", self.start_mm.is_some()),
+            ("torque_end", self.torque_end.is_some()),
+            ("seat_diameter_mm", self.seat_diameter_mm.is_some()),
+        ];
+        fields
+            .into_iter()
+            .find(|(_, given)| *given)
+            .map(|(name, _)| name)
+    }
+
+    /// Diameter of the section at `z_mm`.
+    pub fn diameter_at(&self, z_mm: f64) -> Option<f64> {
+        let mut end = self.start_mm?;
+        let reaches = |section: &&ShaftSectionFile| {
+            end += section.length_mm;
+            z_mm <= end
+        };
+        Some(self.sections.as_ref()?.iter().find(reaches)?.diameter_mm)
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShaftSectionFile {
+    pub diameter_mm: f64,
+    pub length_mm: f64,
+    /// Default 0.
+    pub inner_diameter_mm: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BearingFile {
+    /// From the gear's z = 0 face.
+    pub z_mm: f64,
+    pub radial_stiffness_n_per_um: f64,
+    /// Default 0.
+    pub axial_stiffness_n_per_um: Option<f64>,
+    /// Default 0.
+    pub tilt_stiffness_nm_per_mrad: Option<f64>,
+    /// Radial internal clearance of ISO 5753-1. Default 0.
+    pub radial_clearance_um: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ShaftEnd {
+    Lower,
+    Upper,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -312,7 +388,8 @@ pub struct OperatingFile {
     pub nominal_torque_nm: f64,
     pub maximum_torque_nm: f64,
     pub center_distance_offset_um: [f64; 2],
-    pub misalignment_mrad: [f64; 2],
+    /// Default: what the shafts on bearings cause.
+    pub misalignment_mrad: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -54,10 +54,21 @@ pub(super) fn set_circles(g: &GearFile, gear: &mut Gear) {
     }
     let root = gear.root_radius();
     let (held, usual) = match gear.kind {
-        GearKind::External => (g.bore_diameter_mm, 0.5 * root),
+        GearKind::External => (g.bore_diameter_mm, usual_bore(g, gear)),
         GearKind::Ring => (g.rim_diameter_mm, root + 3.5 * gear.normal_module),
     };
     gear.held_radius = held.map_or(usual, radius);
+}
+
+/// Radius of the bore that nothing is said of, m: that of the shaft on bearings at mid-face, unless the teeth are cut from it, else
+/// half of the root radius.
+fn usual_bore(g: &GearFile, gear: &Gear) -> f64 {
+    let root = gear.root_radius();
+    let shaft = g.shaft.as_ref().filter(|shaft| !shaft.has_pieces());
+    let diameter = shaft.and_then(|shaft| shaft.diameter_at(0.5 * g.face_width_mm));
+    let radius = diameter.map(|mm| 0.5 * mm * MM);
+    let leaves_a_rim = |r: &f64| *r > 0.0 && *r <= root - LEAST_RIM * gear.normal_module;
+    radius.filter(leaves_a_rim).unwrap_or(0.5 * root)
 }
 
 /// The field that sets the tip circle of gear `i`, and its value.
@@ -203,7 +214,10 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         return Err(refusal!(in_gear(i, name) => value;
             "the gear is no ring and is held at its bore"; "leave it out"));
     }
-    gear.body = match (first, &g.shaft, g.rim_thickness_mm, g.web_thickness_mm) {
+    // A shaft on bearings alone leaves the gear held at its bore.
+    let on_bearings = |shaft: &&ShaftFile| !shaft.has_pieces() && shaft.on_bearings().is_some();
+    let cut_from = g.shaft.as_ref().filter(|shaft| !on_bearings(shaft));
+    gear.body = match (first, cut_from, g.rim_thickness_mm, g.web_thickness_mm) {
         (None, None, ..) => None,
         (None, Some(given), ..) => Some(shaft(g, given, gear, i)?),
         (Some((path, value)), Some(_), ..) => {

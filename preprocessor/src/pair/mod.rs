@@ -9,6 +9,7 @@ mod file;
 mod flanks;
 mod gears;
 mod mesh;
+mod shafts;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -19,12 +20,14 @@ pub use gears::ASSUMED_HELD;
 pub use mesh::LARGEST_DEFLECTION;
 pub use text::PairError;
 
-use checks::{LEAST_HELIX, ensure, in_gear, limits, refusal, suspicious};
+use checks::{LARGEST_MISALIGNMENT, LEAST_HELIX, ensure, in_gear, limits, refusal, suspicious};
 use file::{FrictionFile, FrictionLawFile, PairFile, UM};
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{PairGeometry, PairTeeth};
-use gearmesh::pair::{Operating, Pair};
+use gearmesh::pair::{Operating, Pair, Shaft};
 use serde_json::Value;
+
+use crate::shaft::misalignment_range;
 
 /// Reads and checks the text of a pair file: JSON in which comments (`//`, `/* */`, `#`), commas before a
 /// closing bracket and a byte-order mark are allowed. Files it names are sought in the working folder.
@@ -116,6 +119,11 @@ fn resolve_gears(
     mesh::check_tooth_difference(&geometry)?;
     let (microgeometry, teeth) = flanks::of_pair(file, &geometry, folder)?;
     notes.extend(note_on_teeth(&teeth).map(str::to_owned));
+    let shafts = shafts::of_pair(file, &geometry)?;
+    let misalignment = misalignment(file, &geometry, &shafts)?;
+    if shafts.iter().any(Option::is_some) {
+        notes.push(NOTE_ON_SHAFTS.into());
+    }
     Ok(Pair {
         name: file.name.clone(),
         teeth,
@@ -123,15 +131,42 @@ fn resolve_gears(
             nominal_torque: file.operating.nominal_torque_nm,
             maximum_torque: file.operating.maximum_torque_nm,
             center_distance_offset: file.operating.center_distance_offset_um.map(|v| v * UM),
-            misalignment: file.operating.misalignment_mrad.map(|v| v * 1e-3),
+            misalignment,
         },
         refinement: file.compliance.refinement,
         tip_corner_contact: file.tip_corner_contact,
         friction: friction(file.friction.as_ref())?,
         warnings: notes,
+        shafts,
         geometry,
         microgeometry,
     })
+}
+
+/// Where shafts on bearings count, and where they must not count twice.
+const NOTE_ON_SHAFTS: &str = "shafts on bearings: solve, report and study take them into account; tables and FMU end at the gears, whose \
+                              shafts and bearings belong to the multibody model";
+
+/// The range of misalignment, rad: that of the file, else what the shafts cause.
+fn misalignment(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    shafts: &[Option<Shaft>; 2],
+) -> Result<[f64; 2], Refusal> {
+    if let Some(range) = file.operating.misalignment_mrad {
+        return Ok(range.map(|mrad| mrad * 1e-3));
+    }
+    let field = "operating.misalignment_mrad";
+    let range = misalignment_range(geometry, shafts, file.operating.maximum_torque_nm);
+    let range = range.ok_or_else(|| {
+        refusal!(field => "none"; "this field is required where no gear has a shaft on bearings";
+            "give [lowest, highest], such as [-0.5, 0.5], or `shaft` with `sections` and `bearings`")
+    })?;
+    let largest = 1e3 * range[0].abs().max(range[1]);
+    ensure!(largest <= LARGEST_MISALIGNMENT, field => "none";
+        "the shafts on bearings tilt the gears by up to {largest:.1} mrad, beyond {LARGEST_MISALIGNMENT}";
+        "check diameters, lengths and stiffnesses of `shaft`");
+    Ok(range)
 }
 
 /// What is to be known of results that take all `teeth` as alike; `None` where they are. It is one of the [`Pair::warnings`],
@@ -217,6 +252,17 @@ impl PairDraft {
         let mut at = &mut self.fields;
         let names: Vec<&str> = field.split('.').collect();
         for (i, name) in names.iter().enumerate() {
+            if let Value::Array(list) = at {
+                let group = names[..i].join(".");
+                let count = list.len();
+                at = (name.parse::<usize>().ok())
+                    .and_then(|k| list.get_mut(k))
+                    .ok_or_else(|| {
+                        refusal!(group => format!("a list of {count}"); "there is no `{name}` in it";
+                            "give a number of it, from 0 on")
+                    })?;
+                continue;
+            }
             // One form of a relief's start takes the place of another.
             if at.is_null() || i > 0 && names[i - 1] == "start" {
                 *at = Value::Object(serde_json::Map::new());

@@ -183,6 +183,61 @@ fn a_pinion_shaft_has_its_pieces_beside_the_face_and_is_solid_unless_it_has_a_bo
     assert_eq!(one.body.unwrap().hub, [-15e-3, 25e-3]);
 }
 
+/// The paper's pair with gear 1 on a shaft with two bearings.
+pub const ON_BEARINGS: &str = r#"{"gear1": {"bore_diameter_mm": null, "shaft": {"start_mm": -60, "torque_end": "upper",
+    "sections": [{"diameter_mm": 30, "length_mm": 55}, {"diameter_mm": 36, "length_mm": 95, "inner_diameter_mm": 10}],
+    "bearings": [
+        {"z_mm": -50, "radial_stiffness_n_per_um": 200, "axial_stiffness_n_per_um": 80, "radial_clearance_um": 12},
+        {"z_mm": 70, "radial_stiffness_n_per_um": 300, "tilt_stiffness_nm_per_mrad": 1.5}]}}}"#;
+
+#[test]
+fn a_shaft_on_bearings_is_read_in_si_and_gives_bore_and_range_of_misalignment() {
+    let found = pair(PAPER, ON_BEARINGS);
+    let shaft = found.shafts[0].as_ref().unwrap();
+    assert_abs_diff_eq!(
+        shaft.section_ends()[..],
+        [-60e-3, -5e-3, 90e-3],
+        epsilon = 1e-12
+    );
+    assert_abs_diff_eq!(shaft.sections[1].radii[..], [5e-3, 18e-3], epsilon = 1e-12);
+    let [first, second] = &shaft.bearings[..] else {
+        panic!()
+    };
+    assert_abs_diff_eq!(first.free_radius, 6e-6, epsilon = 1e-15);
+    assert_eq!(
+        (second.tilt_stiffness, second.axial_stiffness),
+        (1500.0, 0.0)
+    );
+    assert!(shaft.torque_at_upper_end && found.shafts[1].is_none());
+    // Full disc.
+    let root = found.geometry.gears[0].root_radius();
+    assert_eq!((shaft.seat, shaft.seat_radius), ([0.0, 25e-3], root));
+    let bore = found.geometry.gears[0].held_radius;
+    assert_abs_diff_eq!(bore, 18e-3, epsilon = 1e-12);
+    assert!(is_noted(&found, "belong to the multibody model"));
+    // Tables are of the gears alone.
+    assert_eq!(
+        found.geometry,
+        pair(PAPER, r#"{"gear1": {"bore_diameter_mm": 36}}"#).geometry
+    );
+    let text = patched(PAPER, ON_BEARINGS);
+    let [low, high] = pair(&text, r#"{"operating": {"misalignment_mrad": null}}"#)
+        .operating
+        .misalignment;
+    assert!(
+        -2e-3 < low && low < -1e-4 && 1e-4 < high && high < 2e-3,
+        "{low} {high}"
+    );
+    // A hub stiffens the shaft where it sits.
+    let webbed = pair(
+        &text,
+        r#"{"gear1": {"rim_thickness_mm": 6, "web_thickness_mm": 8, "hub_diameter_mm": 50, "hub_width_mm": 30}}"#,
+    );
+    let shaft = webbed.shafts[0].as_ref().unwrap();
+    assert_abs_diff_eq!(shaft.seat_radius, 25e-3, epsilon = 1e-12);
+    assert_abs_diff_eq!(shaft.seat[..], [-2.5e-3, 27.5e-3], epsilon = 1e-12);
+}
+
 #[test]
 fn a_ring_may_rest_on_a_foundation() {
     let bedded = r#"{"gear2": {"rim_foundation_n_per_mm3": 25}}"#;

@@ -59,6 +59,7 @@ fn named(name: &str) -> String {
         "internal" => INTERNAL.into(),
         "webbed" => patched(PAPER, accepted::WEBBED),
         "shaft" => patched(PAPER, accepted::SHAFT),
+        "bearings" => patched(PAPER, accepted::ON_BEARINGS),
         "large mate" => patched(SPUR, refused::LARGE_MATE),
         "drawing" => drawings::drawings()[0]["file"].to_string(),
         other => panic!("{other}"),

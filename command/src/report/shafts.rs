@@ -1,0 +1,202 @@
+//! Shafts on their bearings: drawn, bent, and what they do to the contact in both senses of the torque.
+
+use gearmesh::contact::ContactError;
+use gearmesh::gear::Flank;
+use gearmesh::pair::{Pair, Shaft};
+use gearmesh_preprocessor::contact::CycleInput;
+use gearmesh_preprocessor::shaft::{ShaftState, misalignment_range};
+
+use super::sections::{Loads, POSITIONS};
+use crate::case::{Case, Variant, load_matrix, torque_in_words};
+use crate::columns::table;
+use crate::page::{Curve, Figure, Height, Section, charts};
+use crate::solve::{bearing_columns, bearings};
+
+const TORQUE: &str = "torque on gear 1 (N m)";
+const FLANKS: [(Flank, &str); 2] = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
+
+/// The section on the shafts of `pair`; None without any.
+pub fn section(
+    pair: &Pair,
+    variant: &Variant,
+    loads: &Loads,
+) -> Result<Option<Section>, ContactError> {
+    let Variant::Pair(solver, shafts, _) = variant else {
+        return Ok(None);
+    };
+    if shafts.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let mut torques = loads.survey.clone();
+    torques.push(loads.nominal);
+    let matrix = load_matrix(&torques, &[0.0]);
+    let mut solved = Vec::new();
+    for (flank, name) in FLANKS {
+        let input = CycleInput {
+            flank,
+            torque: loads.nominal,
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            positions: POSITIONS,
+        };
+        let mut cases = Case::solve_all((solver, shafts), None, &input, &matrix, &|_| {})?;
+        let nominal = cases.split_off(loads.survey.len());
+        solved.push((name, cases, nominal));
+    }
+    let mut figures = drawing(pair);
+    figures.extend(deflections(pair, &solved));
+    figures.extend(over_torque(pair, &solved));
+    let torque = torque_in_words(loads.nominal);
+    let mut text = String::new();
+    for (name, _, nominal) in &solved {
+        if let Some(state) = nominal[0].shafts.as_ref() {
+            let rows = bearings(pair, state);
+            text += &format!(
+                "Bearings at {torque}, {name}\n{}\n",
+                table(&bearing_columns(), rows)
+            );
+        }
+    }
+    let maximum = pair.operating.maximum_torque;
+    if let Some(range) = misalignment_range(&pair.geometry, &pair.shafts, maximum) {
+        let [low, high] = range.map(|m| 1e3 * m);
+        text +=
+            &format!("Misalignment that tables of this pair need: {low:.2} to {high:.2} mrad\n");
+    }
+    let note = format!(
+        "Shafts as Timoshenko beams on their bearings, in equilibrium with the contact; all of this page is with them. Means over the mesh \
+         cycle, deflections at {torque}. Drive: gear 1 turns in its + sense and drives; coast: the other sense of the torque. The tables of \
+         the FMU end at the gears: there the multibody model has shafts and bearings. Forces of the housing on the shaft: x from gear \
+         1 to gear 2, y across it, z along the axes."
+    );
+    Ok(Some(
+        Section::new("Shafts and bearings", note, figures).with_text(text),
+    ))
+}
+
+type Solved<'a> = (&'a str, Vec<Case>, Vec<Case>);
+
+/// Both shafts in their plane, to scale: sections, gears and bearings.
+fn drawing(pair: &Pair) -> Vec<Figure> {
+    let g = &pair.geometry;
+    let mut curves = Vec::new();
+    for (i, shaft) in pair.shafts.iter().enumerate() {
+        let gear = &g.gears[i];
+        // Gear 2 above gear 1, or inside of it.
+        let axis = if i == 0 { 0.0 } else { 1e3 * g.center_distance };
+        let z = |own: f64| 1e3 * (own + gear.face_offset);
+        let mut outline = |label: String, ends: [f64; 2], radius: f64| {
+            let [low, high] = ends.map(z);
+            let r = 1e3 * radius;
+            let corners = [(low, -r), (high, -r), (high, r), (low, r), (low, -r)];
+            curves.push(Curve::new(label, corners.map(|(x, y)| (x, axis + y))));
+        };
+        outline(
+            format!("gear {}", i + 1),
+            [0.0, gear.face_width],
+            gear.tip_radius,
+        );
+        let Some(shaft) = shaft else { continue };
+        curves.push(Curve::new(
+            format!("shaft {}", i + 1),
+            profile(shaft)
+                .into_iter()
+                .map(|(own, r)| (z(own), axis + 1e3 * r)),
+        ));
+        let half = 0.02 * (shaft.section_ends()[shaft.sections.len()] - shaft.start);
+        let marks = shaft.bearings.iter().flat_map(|bearing| {
+            let [_, radius] = shaft.radii_at(bearing.z);
+            // A triangle under the shaft, and back along its surface.
+            let (tip, foot) = (-radius, -radius - 2.0 * half);
+            [(0.0, tip), (-half, foot), (half, foot), (0.0, tip)]
+                .map(|(x, r)| (z(bearing.z + x), axis + 1e3 * r))
+        });
+        curves.push(Curve::new(format!("bearings {}", i + 1), marks));
+    }
+    charts! { "Shafts and bearings to scale", ["z (mm)", "mm"], Height::ToScale => curves; }
+}
+
+/// Half outline of `shaft` and its mirror image: (z, radius), m.
+fn profile(shaft: &Shaft) -> Vec<(f64, f64)> {
+    let ends = shaft.section_ends();
+    let mut upper = vec![(ends[0], 0.0)];
+    for (section, ends) in shaft.sections.iter().zip(ends.windows(2)) {
+        upper.extend([(ends[0], section.radii[1]), (ends[1], section.radii[1])]);
+    }
+    upper.push((ends[ends.len() - 1], 0.0));
+    let lower = upper.iter().rev().map(|(z, r)| (*z, -r));
+    let lower: Vec<_> = lower.collect();
+    upper.extend(lower);
+    upper
+}
+
+/// The axes in the plane of action, and what the shafts close along the face, at the nominal torque.
+fn deflections(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
+    let g = &pair.geometry;
+    let phi = g.operating_pressure_angle(g.center_distance);
+    let mut axes = Vec::new();
+    let mut closings = Vec::new();
+    for ((name, _, nominal), (flank, _)) in solved.iter().zip(FLANKS) {
+        let Some(state) = &nominal[0].shafts else {
+            continue;
+        };
+        let along = [g.e() * phi.sin(), flank.sign() * g.sc() * phi.cos()];
+        for (i, axis) in state
+            .axes
+            .iter()
+            .enumerate()
+            .filter(|(_, axis)| !axis.is_empty())
+        {
+            let offset = g.gears[i].face_offset;
+            let points = axis.iter().map(|(z, at)| {
+                let moved: f64 = along.iter().zip(at.linear).map(|(n, u)| n * u).sum();
+                (1e3 * (z + offset), 1e6 * moved)
+            });
+            axes.push(Curve::new(format!("axis {}, {name}", i + 1), points));
+        }
+        let points = |values: &[f64]| -> Vec<(f64, f64)> {
+            let values = values.iter().map(|v| 1e6 * v);
+            state.z.iter().map(|z| 1e3 * z).zip(values).collect()
+        };
+        closings.push(Curve::new(*name, points(&state.closing)));
+        closings.push(Curve::new(
+            format!("torsion, {name}"),
+            points(&state.torsion),
+        ));
+    }
+    charts! {
+        "Deflection of the axes in the plane of action", ["z (mm)", "along the force on gear 2 (um)"], Height::Curves(0.1) => axes;
+        "What the shafts close along the face", ["z (mm)", "closing over mid-face (um)"], Height::Curves(0.1) => closings;
+    }
+}
+
+fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
+    let curves = |value: &dyn Fn(&Case, &ShaftState) -> f64| -> Vec<Curve> {
+        let curve = |(name, cases, _): &Solved| {
+            let point = |case: &Case| Some((case.input.torque, value(case, case.shafts.as_ref()?)));
+            Curve::new(*name, cases.iter().filter_map(point))
+        };
+        solved.iter().map(curve).collect()
+    };
+    let mut radial = Vec::new();
+    for (i, shaft) in pair.shafts.iter().enumerate() {
+        let count = shaft.as_ref().map_or(0, |shaft| shaft.bearings.len());
+        for k in 0..count {
+            let force = |_: &Case, state: &ShaftState| {
+                let [x, y, _] = state.bearings[i][k].linear;
+                x.hypot(y)
+            };
+            for mut curve in curves(&force) {
+                curve.label = format!("gear {} bearing {}, {}", i + 1, k + 1, curve.label);
+                radial.push(curve);
+            }
+        }
+    }
+    charts! {
+        "K_Hbeta over torque", [TORQUE, "K_Hbeta"], Height::Curves(0.1)
+            => curves(&|case, _| case.face_load.face_load_factor());
+        "Misalignment by the shafts over torque", [TORQUE, "misalignment (mrad)"], Height::Curves(0.01)
+            => curves(&|_, state| 1e3 * state.misalignment);
+        "Radial forces on the bearings", [TORQUE, "radial force (N)"], Height::FromZero(0.0) => radial;
+    }
+}

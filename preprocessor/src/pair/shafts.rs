@@ -1,0 +1,155 @@
+//! Shafts on bearings: `sections`, `bearings` and what belongs to them in `shaft` of a gear.
+
+use super::checks::{ABOVE_0, Refusal, check, ensure, in_gear, limits, refusal};
+use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM};
+use gearmesh::gear::{Body, Gear, PairGeometry};
+use gearmesh::pair::{Bearing, Shaft, ShaftSection};
+use gearmesh::words::rounded;
+
+use crate::shaft::is_held;
+
+/// Most sections, and most bearings, of one shaft.
+const MOST_PIECES: usize = 100;
+/// Wall of a hollow section over its radius, at least: thinner ones are no beams.
+const LEAST_WALL: f64 = 0.02;
+
+/// The shafts of both gears, None where the file gives none.
+pub(super) fn of_pair(
+    file: &PairFile,
+    geometry: &PairGeometry,
+) -> Result<[Option<Shaft>; 2], Refusal> {
+    let of = |i: usize| match &file.gear(i).shaft {
+        Some(given) => on_bearings(given, &geometry.gears[i], i),
+        None => Ok(None),
+    };
+    Ok([of(0)?, of(1)?])
+}
+
+fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>, Refusal> {
+    let path = |name: &str| in_gear(i, &format!("shaft.{name}"));
+    let Some(sections) = &given.sections else {
+        if let Some(name) = given.on_bearings() {
+            return Err(
+                refusal!(path("sections") => "none"; "`{name}` says something of a shaft on bearings";
+                "give the sections of the shaft from low to high z, each with `diameter_mm` and `length_mm`, or leave `{name}` out"),
+            );
+        }
+        return Ok(None);
+    };
+    let missing = |name: &str, remedy: &str| refusal!(path(name) => "none"; "a shaft with `sections` needs it"; "give {remedy}");
+    let start = given.start_mm.ok_or_else(|| {
+        missing(
+            "start_mm",
+            "z of the lower end of the first section, from the gear's z = 0 face",
+        )
+    })?;
+    let bearings = given.bearings.as_ref().ok_or_else(|| {
+        missing(
+            "bearings",
+            "a list of bearings, each with `z_mm` and `radial_stiffness_n_per_um`",
+        )
+    })?;
+    let torque_end = given.torque_end.ok_or_else(|| {
+        missing(
+            "torque_end",
+            "the end at which the torque enters or leaves: `lower` (small z) or `upper`",
+        )
+    })?;
+    for (name, count) in [("sections", sections.len()), ("bearings", bearings.len())] {
+        ensure!((1..=MOST_PIECES).contains(&count), path(name) => count;
+            "that many are no shaft"; "give 1 to {MOST_PIECES}");
+    }
+    limits! { path(""), given;
+        start_mm: [-1e5, 1e5];
+        youngs_modulus_gpa: [ABOVE_0, 2000.0];
+        poisson_ratio: [0.0, 0.49];
+    }
+    for (k, section) in sections.iter().enumerate() {
+        limits! { path(&format!("sections.{k}.")), section;
+            diameter_mm: [ABOVE_0, 1e4];
+            length_mm: [1e-3, 1e5];
+            inner_diameter_mm: [0.0, (1.0 - LEAST_WALL) * section.diameter_mm];
+        }
+    }
+    let hub = gear.body.filter(|body| !body.is_shaft());
+    let seat = hub.map_or([0.0, gear.face_width], |body| body.hub);
+    // A web that reaches down to the shaft stiffens it by itself.
+    let outside = match hub {
+        Some(Body {
+            hub_radius,
+            rim_radius,
+            ..
+        }) if hub_radius <= gear.held_radius => rim_radius.min(hub_radius),
+        Some(body) => body.hub_radius,
+        None => gear.root_radius(),
+    };
+    let mut shaft = Shaft {
+        start: start * MM,
+        sections: (sections.iter())
+            .map(|s| ShaftSection {
+                radii: [s.inner_diameter_mm.unwrap_or(0.0), s.diameter_mm].map(|d| 0.5 * d * MM),
+                length: s.length_mm * MM,
+            })
+            .collect(),
+        bearings: vec![],
+        torque_at_upper_end: torque_end == ShaftEnd::Upper,
+        youngs_modulus: 1e9 * given.youngs_modulus_gpa.unwrap_or(206.0),
+        poisson_ratio: given.poisson_ratio.unwrap_or(0.3),
+        seat,
+        seat_radius: outside,
+    };
+    let ends = shaft.section_ends();
+    let [low, high] = [ends[0], ends[ends.len() - 1]];
+    let (shown_low, shown_high) = (rounded(low / MM), rounded(high / MM));
+    let [first, last] = seat.map(|z| rounded(z / MM));
+    // Half a micrometre is the rounding of a drawing.
+    ensure!(low <= seat[0] + 0.5 * UM && seat[1] <= high + 0.5 * UM, path("start_mm") => start;
+        "puts the shaft at z {shown_low} to {shown_high} mm, and the gear sits at {first} to {last} mm";
+        "give z of the lower end of the first section from the gear's z = 0 face, negative for a shaft that begins below it, \
+         and sections that reach through the gear");
+    let root = gear.root_radius();
+    let inside = |k: usize| ends[k] < seat[1] - UM && seat[0] + UM < ends[k + 1];
+    for (k, section) in shaft
+        .sections
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| inside(*k))
+    {
+        ensure!(section.radii[1] <= root + 0.5 * UM, path(&format!("sections.{k}.diameter_mm")) => rounded(2.0 * section.radii[1] / MM);
+            "the section lies under the teeth, whose root circle has {:.3} mm", 2.0 * root / MM;
+            "give at most that diameter there, and the length beside the teeth as a section of its own");
+    }
+    if let Some(mm) = given.seat_diameter_mm {
+        check(&path("seat_diameter_mm"), mm, [ABOVE_0, 2.0 * root / MM])?;
+        shaft.seat_radius = 0.5 * mm * MM;
+    }
+    for (k, bearing) in bearings.iter().enumerate() {
+        limits! { path(&format!("bearings.{k}.")), bearing;
+            z_mm: [low / MM, high / MM];
+            radial_stiffness_n_per_um: [1e-3, 1e6];
+            axial_stiffness_n_per_um: [0.0, 1e6];
+            tilt_stiffness_nm_per_mrad: [0.0, 1e6];
+            radial_clearance_um: [0.0, 1e4];
+        }
+        shaft.bearings.push(Bearing {
+            z: bearing.z_mm * MM,
+            radial_stiffness: 1e6 * bearing.radial_stiffness_n_per_um,
+            axial_stiffness: 1e6 * bearing.axial_stiffness_n_per_um.unwrap_or(0.0),
+            tilt_stiffness: 1e3 * bearing.tilt_stiffness_nm_per_mrad.unwrap_or(0.0),
+            free_radius: 0.5 * bearing.radial_clearance_um.unwrap_or(0.0) * UM,
+        });
+    }
+    let z = shaft.bearings.iter().map(|b| b.z);
+    let apart = z.clone().fold(f64::NEG_INFINITY, f64::max) - z.fold(f64::INFINITY, f64::min);
+    let tilts = shaft.bearings.iter().any(|b| b.tilt_stiffness > 0.0);
+    ensure!(tilts || apart > 1e-3 * (high - low), path("bearings") => bearings.len();
+        "they let the shaft tilt freely"; "give two bearings at a distance from each other, or one with `tilt_stiffness_nm_per_mrad`");
+    let axial = shaft.bearings.iter().any(|b| b.axial_stiffness > 0.0);
+    ensure!(axial || gear.helix_angle == 0.0, path("bearings") => bearings.len();
+        "none takes the axial force of the helical teeth";
+        "give the one that does its `axial_stiffness_n_per_um`");
+    ensure!(is_held(&shaft, gear), path("bearings") => shaft.bearings.len();
+        "stiffnesses and diameters are too far apart for a solution";
+        "check diameters, lengths and stiffnesses, in the units of their names");
+    Ok(Some(shaft))
+}

@@ -271,7 +271,7 @@ fn axes(case: &Case) -> Vec<OnAxis> {
     points.collect()
 }
 
-fn axis_columns<'r>() -> Vec<Column<'static, OnAxis>> {
+fn axis_columns() -> Vec<Column<'static, OnAxis>> {
     columns! { |(gear, z, at): &OnAxis|
         "gear" => *gear;
         "z_mm" => 1e3 * z;

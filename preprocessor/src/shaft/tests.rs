@@ -59,10 +59,10 @@ fn bearings_bear_the_force_of_the_mesh() {
             -s * h * 1000.0 * tan_beta_b,
         ];
         for (i, bearings) in state.bearings.iter().enumerate() {
-            for axis in 0..3 {
+            for (axis, force) in on_second.iter().enumerate() {
                 let sum: f64 = bearings.iter().map(|b| b.linear[axis]).sum();
                 // Bearings hold the shaft against it.
-                let right = [on_second[axis], -on_second[axis]][i];
+                let right = [*force, -force][i];
                 assert_relative_eq!(sum, right, max_relative = 1e-6);
             }
         }

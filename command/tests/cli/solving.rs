@@ -257,7 +257,7 @@ pub fn on_bearings(folder: &Folder) -> String {
             {"z_mm": -50, "radial_stiffness_n_per_um": 200, "axial_stiffness_n_per_um": 80, "radial_clearance_um": 10},
             {"z_mm": -15, "radial_stiffness_n_per_um": 200}]
     });
-    folder.write("on-bearings.json", &pair.to_string())
+    folder.write("on-bearings.json", pair.to_string())
 }
 
 #[test]
@@ -274,7 +274,7 @@ fn contact_on_shafts_is_that_under_the_deflection_that_it_gives() {
         let rows: String = rows
             .map(|(z, closing)| format!("{z},{closing}\n"))
             .collect();
-        let curve = folder.write("closing.csv", &format!("z_mm,closing_um\n{rows}"));
+        let curve = folder.write("closing.csv", format!("z_mm,closing_um\n{rows}"));
         let line = format!("solve {pair} {options} --shafts off --deflection {curve}");
         let bent: Value = serde_json::from_str(&succeed!("{line}")).unwrap();
         // The shafts bend by the load of every position, the curve is their mean.

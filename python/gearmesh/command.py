@@ -42,6 +42,12 @@ class ModelOptions(TypedDict, total=False):
     threads: int
 
 
+class ContactOptions(ModelOptions, total=False):
+    """Options of static contact: also whether the shafts on bearings of the pair file bend, which they do by default."""
+
+    shafts: Literal["on", "off"]
+
+
 class TableOptions(ModelOptions, total=False):
     """Which dimensions tables have, and how fine they are."""
 
@@ -95,6 +101,13 @@ class MeshCycle:
         The largest with its place, and the nominal stress of the standard with its factors.
     speed_rpm, loss_w, efficiency, friction_coefficient : (number of speeds,) or None
         Losses at the speeds of gear 1 in `speed_rpm`.
+    shaft_misalignment_mrad, shaft_bow_um, shaft_torsion_um, shaft_approach_loa_um : scalars or None
+        With shafts on bearings: misalignment of the axes at mid-face under load, how much less bending closes both ends of the
+        face, how much more torsion closes that of large z, and what shafts and bearings give way, which is not in the STE.
+    shaft_closing_z_mm, shaft_closing_um : (41,) or None
+        Closing of the flanks along the face over mid-face.
+    bearings : list of dict or None
+        Gear, number, place and load of every bearing.
     """
 
     torque_nm: float
@@ -133,6 +146,13 @@ class MeshCycle:
     loss_w: Array | None = None
     efficiency: Array | None = None
     friction_coefficient: Array | None = None
+    shaft_misalignment_mrad: float | None = None
+    shaft_bow_um: float | None = None
+    shaft_torsion_um: float | None = None
+    shaft_approach_loa_um: float | None = None
+    shaft_closing_z_mm: Array | None = None
+    shaft_closing_um: Array | None = None
+    bearings: list[dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True)
@@ -290,7 +310,7 @@ def solve(
     flank: Literal["drive", "coast"] = "drive",
     root_stress: bool = False,
     speed_rpm: Sequence[float] = (),
-    **options: Unpack[ModelOptions],
+    **options: Unpack[ContactOptions],
 ) -> MeshCycle:
     """Solves the static contact over a mesh cycle.
 
@@ -313,7 +333,7 @@ def solve(
     speed_rpm
         Speeds of gear 1 at which losses are wanted.
     **options
-        Of the model: `ModelOptions`.
+        Of the model: `ContactOptions`.
 
     Returns
     -------
@@ -367,7 +387,7 @@ def study(
     positions: int | None = None,
     root_stress: bool = False,
     restart: bool = False,
-    **options: Unpack[ModelOptions],
+    **options: Unpack[ContactOptions],
 ) -> StudyResult:
     """Draws samples of a pair within its tolerances and solves the mesh cycle of each.
 
@@ -397,7 +417,7 @@ def study(
     restart
         Leaves out what the folder holds of an earlier run.
     **options
-        Of the model: `ModelOptions`.
+        Of the model: `ContactOptions`.
 
     Returns
     -------
@@ -488,5 +508,5 @@ def _interval(interval: tuple[float, float] | tuple[float, float, int] | float) 
 def _value(name: str, case: Mapping[str, Any]) -> Any:
     """A list of numbers as an array, NaN for null."""
     value = case[name]
-    plain = not isinstance(value, list) or name in ("notes", "largest_root_stress", "iso_6336_3")
+    plain = not isinstance(value, list) or name in ("notes", "largest_root_stress", "iso_6336_3", "bearings")
     return value if plain else np.array(value, dtype=float)

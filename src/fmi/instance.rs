@@ -232,6 +232,8 @@ impl Instance {
         self.configure(state.check(self.state.interface)?);
         self.state = state;
         self.discarded = None;
+        // What follows a state is the same whatever came before it is restored.
+        self.buffers.workspace = Workspace::default();
         self.changed();
         Ok(())
     }

@@ -7,6 +7,10 @@ use gearmesh::element::{
     BODY_COLUMNS, Direction, Element, Formulation, Inputs, Jacobian, LoadedFlank, Parameters,
     StiffnessModel,
 };
+use gearmesh::fmi::instance::Instance;
+use gearmesh::fmi::lifecycle::Interface;
+use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
+use gearmesh::fmi::variables::{INPUTS, Kind, VARIABLES, index};
 use gearmesh::random::Random;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
 use gearmesh_preprocessor::pair;
@@ -188,10 +192,83 @@ fn element(parameters: &Parameters, ask: Ask) -> Run {
     })
 }
 
+/// A communication step of the FMU as hosts make it, but for the call boundary: all inputs set, the step, the main outputs read.
+fn steps(cases: &mut Vec<Case>) {
+    for (coupling, name) in [(1.0, "held"), (2.0, "sequential")] {
+        for (model, stiffness) in [(1.0, "constant"), (2.0, "spline")] {
+            cases.push(Case {
+                name: format!("step/{name}/{stiffness}"),
+                make: Box::new(move || step(coupling, model)),
+            });
+        }
+    }
+}
+
+/// Outputs that a host reads in one call: loads, contact point and what follows in one block.
+const MAIN_OUTPUTS: usize = 24;
+
+fn step(coupling: f64, stiffness_model: f64) -> Run {
+    const LENGTH: f64 = 1e-6;
+    let tables = TableFile::from_json(include_str!("../../resources/tables/palermo2013.json"))
+        .expect("shipped tables");
+    let geometry = tables.geometry.clone();
+    let starts = [
+        (index::GEAR2_POSITION_1, geometry.center_distance),
+        (index::STIFFNESS_MODEL, stiffness_model),
+        (index::COUPLING, coupling),
+        (index::EFFECTIVE_MASS, 0.25),
+        (
+            index::CENTER_DISTANCE_EFFECT,
+            f64::from(u8::from(stiffness_model > 1.0)),
+        ),
+        (
+            index::MISALIGNMENT_EFFECT,
+            f64::from(u8::from(stiffness_model > 1.0)),
+        ),
+        (
+            index::SHUTTLING_EFFECT,
+            f64::from(u8::from(stiffness_model > 1.0)),
+        ),
+    ];
+    let unit = UnitFile {
+        version: UNIT_VERSION,
+        guid: String::new(),
+        name: "bench".into(),
+        starts: starts
+            .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
+            .into(),
+        geometry,
+    };
+    let resources = Resources::new(unit, Some(tables), None).expect("a legal FMU");
+    let mut inputs: Vec<f64> = resources.starts[..INPUTS].to_vec();
+    let mut fmu = Instance::new(Arc::new(resources), Interface::CoSimulation);
+    fmu.setup(0.0, None).expect("a start time");
+    fmu.exit_initialization().expect("a mesh");
+    let references: Vec<u32> = VARIABLES.iter().map(|v| v.value_reference).collect();
+    let outputs = INPUTS..INPUTS + MAIN_OUTPUTS;
+    Box::new(move |i| {
+        // Both gears turn, gear 1 with a ripple that keeps the teeth in contact.
+        let time = i as f64 * LENGTH;
+        let (sin, cos) = (4e4 * time).sin_cos();
+        inputs[index::GEAR1_ANGLES_3] = 100.0 * time + 1.3e-4 + 2e-5 * sin;
+        inputs[index::GEAR1_ANGULAR_VELOCITY_3] = 100.0 + 0.8 * cos;
+        inputs[index::GEAR2_ANGLES_3] = -100.0 * time;
+        inputs[index::GEAR2_ANGULAR_VELOCITY_3] = -100.0;
+        fmu.set(Kind::Real, &references[..INPUTS], &inputs)
+            .expect("legal inputs");
+        fmu.do_step(time, LENGTH).expect("a step");
+        fmu.get(Kind::Real, &references[outputs.clone()], |x| {
+            black_box(x);
+        })
+        .expect("outputs");
+    })
+}
+
 /// Everything.
 pub fn all() -> Vec<Case> {
     let mut cases = vec![];
     kernels(&mut cases);
     elements(&mut cases);
+    steps(&mut cases);
     cases
 }

@@ -285,6 +285,30 @@ impl Shafts {
         (loads, bearing)
     }
 
+    /// Newton's step of the closing to where the shafts would have it, `residual` away: the teeth as springs along the face, which together
+    /// are as stiff as the mesh, `stiffness` (N/m), over the lengths `bearing` (m) that bear, under a constant sum of forces.
+    fn step(&self, bearing: &[f64], stiffness: f64, residual: DVector<f64>) -> DVector<f64> {
+        let all: f64 = bearing.iter().sum();
+        if all == 0.0 {
+            return residual;
+        }
+        let spring = |i: usize, j: usize| {
+            let own = if i == j { bearing[i] } else { 0.0 };
+            stiffness / all * (own - bearing[i] * bearing[j] / all)
+        };
+        let springs = DMatrix::from_fn(STATIONS, STATIONS, spring);
+        let mut jacobian = &self.flexibility * springs;
+        // Closings count from mid-face.
+        let there = jacobian.row(STATIONS / 2).into_owned();
+        for mut row in jacobian.row_iter_mut() {
+            row -= &there;
+        }
+        for i in 0..STATIONS {
+            jacobian[(i, i)] += 1.0;
+        }
+        jacobian.lu().solve(&residual).unwrap_or(residual)
+    }
+
     /// Contact of `problem` (of `solver` on `flank` at `mesh_position`, without deflection) under `torque` (N m on gear 1) and, with the
     /// shafts unloaded, `misalignment` (rad), in equilibrium with the shafts: their closing under the forces of the contact is that under
     /// which it was solved, to [`TOLERANCE`]. `before` is a solution nearby.
@@ -305,7 +329,6 @@ impl Shafts {
         let mut present = Deflection::default();
         let mut closing = before.map_or(vec![0.0; STATIONS], |(_, state)| state.closing.clone());
         let mut warm = before.map(|(result, _)| result.clone());
-        let middle = STATIONS / 2;
         let mut largest = f64::INFINITY;
         let mut outcome = Err(ContactError::Unsolved {
             prescribed: Prescribed::Torque(torque),
@@ -355,27 +378,8 @@ impl Shafts {
             {
                 (*iterations, *residual) = (iteration, largest / range);
             }
-            // Springs along the face that together are as stiff as the mesh, under a constant sum of forces.
-            let all: f64 = bearing.iter().sum();
-            let stiffness = result.tangent.force_by_approach / all;
-            let spring = |i: usize, j: usize| {
-                let own = if i == j { bearing[i] } else { 0.0 };
-                stiffness * (own - bearing[i] * bearing[j] / all)
-            };
-            let springs = DMatrix::from_fn(STATIONS, STATIONS, spring);
-            let mut jacobian = &self.flexibility * springs;
-            let there = jacobian.row(middle).into_owned();
-            for mut row in jacobian.row_iter_mut() {
-                row -= &there;
-            }
-            for i in 0..STATIONS {
-                jacobian[(i, i)] += 1.0;
-            }
-            let step = jacobian.lu().solve(&residual).unwrap_or(residual);
-            closing
-                .iter_mut()
-                .zip(&step)
-                .for_each(|(c, step)| *c += step);
+            let step = self.step(&bearing, result.tangent.force_by_approach, residual);
+            (closing.iter_mut().zip(&step)).for_each(|(c, step)| *c += step);
             warm = Some(result);
         }
         solver.deflect(problem, at, [&present, &Deflection::default()])?;

@@ -12,7 +12,7 @@ use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
 use gearmesh_preprocessor::package::{self, start_in_words};
-use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::{pair, storage};
 use nalgebra::{Rotation3, Vector3};
 use serde::de::IgnoredAny;
 
@@ -64,7 +64,7 @@ impl Inspect {
 /// Whether the file begins as zip archives do.
 fn is_archive(path: &Path) -> Result<bool> {
     let mut mark = Vec::new();
-    std::fs::File::open(path)
+    storage::open(path)
         .and_then(|file| file.take(2).read_to_end(&mut mark))
         .map_err(|error| output::unreadable(path, &error))?;
     Ok(mark == b"PK")

@@ -17,7 +17,6 @@ mod pack;
 mod page;
 mod pair_summary;
 mod report;
-mod rexs;
 mod run_up;
 mod solve;
 mod study;

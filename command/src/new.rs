@@ -6,10 +6,11 @@ use askama::Template;
 use clap::Args;
 use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
+use gearmesh_preprocessor::import::rexs;
 use gearmesh_preprocessor::pair;
 
 use crate::error::Result;
-use crate::{limits, output, rexs};
+use crate::{limits, output};
 
 /// Write a commented pair file to start from.
 ///
@@ -33,7 +34,7 @@ pub struct New {
     #[arg(long, required_unless_present = "rexs", value_parser = limits::finite)]
     torque_nm: Option<f64>,
 
-    /// Take a cylindrical stage of this REXS file, .rexs (XML) or .rexsj (JSON); lists what it took, assumed and left
+    /// Take a cylindrical stage of this REXS file, .rexs (XML), .rexsj (JSON) or .rexsz (zip); lists what it took, derived, assumed and left out
     #[arg(long, value_name = "FILE", conflicts_with_all = ["teeth", "module_mm", "face_width_mm", "helix_angle_deg", "pressure_angle_deg", "internal", "name"])]
     rexs: Option<PathBuf>,
 
@@ -83,20 +84,24 @@ impl New {
     pub fn run(self) -> Result<()> {
         if let Some(file) = &self.rexs {
             let taken = rexs::pair_file(file, self.stage, self.torque_nm)?;
-            return self.write(&taken.text, &taken.summary);
+            return self.write(&taken.text, &taken.account);
         }
         // What is filled in follows from the pair without it.
         let bare = self.text(0.0, "")?;
         let bare = bare.replace("\"backlash_um\"", "// \"backlash_um\"");
         let bare = pair::from_json(&bare)?;
         let text = self.text(usual_backlash_um(&bare), &derived(&bare))?;
-        pair::from_json(&text)?;
-        self.write(&text, "")
+        let pair = pair::from_json(&text)?;
+        let notes = pair.warnings.iter().map(|note| format!("note: {note}\n"));
+        self.write(&text, &notes.collect::<String>())
     }
 
-    /// Writes the pair file `text`; `summary` is printed with a file.
+    /// Writes the pair file `text`; `summary` is printed with a file, and notes go beside a pair file on standard output.
     fn write(&self, text: &str, summary: &str) -> Result<()> {
         let Some(path) = &self.output else {
+            if self.rexs.is_none() {
+                eprint!("{summary}");
+            }
             return output::print(text);
         };
         let file = path.display();

@@ -50,7 +50,7 @@ const LONGEST_TEXT: u64 = 256 << 20;
 /// The text of tables or samples. A pair file has its own limit.
 pub fn read_text(path: &Path) -> Result<String, String> {
     let name = path.display();
-    let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+    let file = storage::open(path).map_err(|error| unreadable(path, &error))?;
     let mut text = String::new();
     // One byte more than allowed shows a longer file, even where no length is known.
     match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {

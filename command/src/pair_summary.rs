@@ -146,7 +146,7 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     };
     let is_shaft = g.body.is_some_and(|body| body.is_shaft());
     let profile = ToothProfile::new(g).ok();
-    let involute_start = profile.as_ref().and_then(|p| diameter(p.form_radius()));
+    let involute_start = profile.as_ref().and_then(|p| diameter(p.usable_radius()));
     let tip_land = profile.as_ref().and_then(|p| mm(p.tip_land()));
     let is_undercut = profile.as_ref().is_some_and(|p| p.is_undercut());
     // A quantity without a head stays out of the text.
@@ -155,7 +155,7 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     let s = Measure::Thickness.of(g).unwrap_or(f64::NAN);
     let (k, ball) = (gauges.span_teeth, gauges.ball_diameter);
     let rolls = [
-        profile.as_ref().map(|profile| profile.form_roll()),
+        profile.as_ref().map(|profile| profile.usable_roll()),
         Some(mesh.active_start_roll(i, c)),
         Some(g.tip_form_roll()),
     ];

@@ -56,7 +56,7 @@ impl ContactSolver {
         let mut form_rolls = [0.0; 2];
         for (roll, gear) in form_rolls.iter_mut().zip(&pair.geometry.gears) {
             // The tip edge of the mate stays off the base circle, where the involute has its cusp.
-            let form_roll = ToothProfile::new(gear)?.form_roll();
+            let form_roll = ToothProfile::new(gear)?.usable_roll();
             *roll = form_roll.max(1e-3 * gear.base_radius());
         }
         let reach = (settings.reach).unwrap_or_else(|| estimated_reach(pair, form_rolls));

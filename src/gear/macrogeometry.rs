@@ -54,6 +54,11 @@ pub struct Gear {
     #[serde(rename = "tip_chamfer_m", alias = "tip_chamfer")]
     #[serde(default, skip_serializing_if = "is_zero")]
     pub tip_chamfer: f64,
+    /// Radius at which the usable involute begins, m (d_Ff / 2), where the tool ends it above its own fillet, as one with
+    /// protuberance does; None: the involute begins at the fillet.
+    #[serde(rename = "root_form_radius_m")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root_form_radius: Option<f64>,
     /// Dedendum of the basic rack over the normal module.
     pub dedendum_coefficient: f64,
     /// Tip radius of the generating rack (ring: of the fillet) over the normal module.
@@ -172,6 +177,11 @@ impl Gear {
             ("held_radius_m", self.held_radius, any),
             ("youngs_modulus_pa", self.youngs_modulus, any),
             ("foundation_n_per_m3", self.foundation.unwrap_or(1.0), any),
+            (
+                "root_form_radius_m",
+                self.root_form_radius.unwrap_or(1.0),
+                any,
+            ),
             ("normal_pressure_angle_rad", alpha_n, [1e-9, 0.8]),
             ("helix_angle_rad", self.helix_angle, [0.0, 1.4]),
             ("profile_shift", self.profile_shift, [-10.0, 10.0]),

@@ -22,6 +22,6 @@ pub use microgeometry::{
     ReliefShape,
 };
 pub use pair_geometry::{BothFlanks, Flank, PairGeometry, PathOfContact};
-pub use profile::{ProfileError, ProfilePoint, ToothProfile};
+pub use profile::{ProfileError, ProfilePoint, ToothProfile, protuberance_form_radius};
 pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 pub use topography::{ProfilePiece, Topography, TopographyError};

@@ -89,34 +89,55 @@ fn round(gear: &Gear) -> f64 {
 /// tip line. In the transverse section tangential lengths are longer by 1 / cos beta, so that the round is an ellipse. The
 /// tooth is what the rack leaves over while its pitch line rolls on the reference circle.
 fn rack_fillet(gear: &Gear) -> (Fillet, f64, f64) {
-    let (alpha_n, cos_beta) = (gear.normal_pressure_angle, gear.helix_angle.cos());
-    let (rb, round) = (gear.base_radius(), round(gear));
-    let depth = gear.reference_radius() - gear.root_radius() - round;
-    // Tooth half-thickness on the reference circle; thinning comes from a thicker rack tooth and leaves the root circle.
-    let half_thickness = gear.normal_module * (FRAC_PI_4 + gear.profile_shift * alpha_n.tan())
-        / cos_beta
-        - gear.tooth_thinning / (2.0 * gear.transverse_pressure_angle().cos());
-    let center = [
-        half_thickness + (depth * alpha_n.tan() + round / alpha_n.cos()) / cos_beta,
-        depth,
-    ];
+    let alpha_n = gear.normal_pressure_angle;
+    let center = center_of_round(gear);
     let end_of_flank = roll_at_flank_end(gear, center);
     let (upper_end, form_roll) = if end_of_flank >= 0.0 {
         (alpha_n, end_of_flank)
     } else {
-        // Undercut: where the fillet crosses the involute; at smaller nu it lies outside of that. Below the base circle there is
-        // no involute: the tooth ends at the fillet.
-        let outside = |nu: f64| {
-            let cut = cut(gear, center, nu);
-            let t = gear.roll_length(cut.radius) / rb;
-            cut.radius > rb && cut.angle > gear.half_base_angle() - (t - t.atan())
-        };
-        let nu = bisection([alpha_n, FRAC_PI_2], 60, outside);
+        // Undercut: where the fillet crosses the involute; at smaller nu it lies outside of that.
+        let nu = bisection([alpha_n, FRAC_PI_2], 60, |nu| is_outside(gear, center, nu));
         (nu, gear.roll_length(cut(gear, center, nu).radius))
     };
     let root_angle = center[0] / gear.reference_radius();
     let fillet = Fillet::Trochoid { center, upper_end };
     (fillet, form_roll, root_angle)
+}
+
+/// Centre of the round of a rack that cuts the flanks of `gear`, m: s and d, see [`cut`].
+fn center_of_round(gear: &Gear) -> [f64; 2] {
+    let (alpha_n, cos_beta) = (gear.normal_pressure_angle, gear.helix_angle.cos());
+    let round = round(gear);
+    let depth = gear.reference_radius() - gear.root_radius() - round;
+    // Tooth half-thickness on the reference circle; thinning comes from a thicker rack tooth and leaves the root circle.
+    let half_thickness = gear.normal_module * (FRAC_PI_4 + gear.profile_shift * alpha_n.tan())
+        / cos_beta
+        - gear.tooth_thinning / (2.0 * gear.transverse_pressure_angle().cos());
+    let s = half_thickness + (depth * alpha_n.tan() + round / alpha_n.cos()) / cos_beta;
+    [s, depth]
+}
+
+/// Whether what the round about `center` cuts at `nu` lies outside of the involute. Below the base circle there is none: the
+/// tooth ends at the fillet.
+fn is_outside(gear: &Gear, center: [f64; 2], nu: f64) -> bool {
+    let cut = cut(gear, center, nu);
+    let t = gear.roll_length(cut.radius) / gear.base_radius();
+    cut.radius > gear.base_radius() && cut.angle > gear.half_base_angle() - (t - t.atan())
+}
+
+/// Radius, m, at which the usable involute of an external `gear` begins if the tip round of its rack reaches `undercut` (m,
+/// normal to the flank) deeper than the finished flank: a protuberance less the machining allowance. `angle` is that of the
+/// flank of the protuberance, rad. None where that flank itself, or nothing, leaves the involute.
+pub fn protuberance_form_radius(gear: &Gear, undercut: f64, angle: f64) -> Option<f64> {
+    let mut center = center_of_round(gear);
+    center[0] -= undercut / (gear.normal_pressure_angle.cos() * gear.helix_angle.cos());
+    let range = [angle, gear.normal_pressure_angle];
+    let [begins, ends] = range.map(|nu| is_outside(gear, center, nu));
+    if !begins || ends {
+        return None;
+    }
+    let nu = bisection(range, 60, |nu| is_outside(gear, center, nu));
+    Some(cut(gear, center, nu).radius)
 }
 
 /// Length of roll at which the end of the rack's straight flank cuts, m; negative when that lies beyond the point where the
@@ -247,7 +268,19 @@ impl ToothProfile {
         self.root_angle
     }
 
-    /// Length of roll at the start of the involute, m; the tip's is larger for external teeth and smaller for a ring.
+    /// Length of roll at the start of the involute that teeth may touch on, m: that of [`Gear::root_form_radius`], else
+    /// [`ToothProfile::form_roll`].
+    pub fn usable_roll(&self) -> f64 {
+        let given = self.gear.root_form_radius;
+        given.map_or(self.form_roll, |radius| self.gear.roll_length(radius))
+    }
+
+    /// Radius there, m.
+    pub fn usable_radius(&self) -> f64 {
+        self.gear.radius_at_roll(self.usable_roll())
+    }
+
+    /// Length of roll where fillet and involute meet, m; the tip's is larger for external teeth and smaller for a ring.
     pub fn form_roll(&self) -> f64 {
         self.form_roll
     }

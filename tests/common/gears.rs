@@ -27,6 +27,7 @@ pub fn gear(kind: GearKind, teeth: u32, hand: f64, helix_deg: f64, profile_shift
         foundation: None,
         tooth_thinning: 0.0,
         tip_chamfer: 0.0,
+        root_form_radius: None,
         youngs_modulus: 206e9,
         poisson_ratio: 0.3,
     };

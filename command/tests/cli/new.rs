@@ -64,8 +64,8 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
         "taken: gear2.dedendum_coefficient from addendum_coefficient_reference_profile of rack_shaped_tool 41",
         "assumed: gear2: the left flank is the drive flank",
         "left: triangular_tip_relief 33 of the flank 24",
-        "left: gear2.root_diameter_mm = 70: does not fit",
-        "left: cylindrical_gear 11: u_coordinate_on_shaft"
+        "warning: gear2.root_diameter_mm = 70 of the file, but its tool cuts 72.1",
+        "left: cylindrical_gear 11: u_coordinate_on_shaft = 20"
     );
     let shown = json(succeed!("inspect {pair} --json"));
     let flank = &shown["gear1"]["reliefs"]["drive_flank"];

@@ -161,6 +161,15 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
         note("operating.misalignment_mrad", tilt, 0.02),
     ];
     for i in 0..2 {
+        // Stiffer than diamond: rigid, or in another unit.
+        let (name, modulus) = (
+            in_gear(i, "youngs_modulus_gpa"),
+            file.gear(i).youngs_modulus_gpa,
+        );
+        let doubt = meant(&name, modulus, [0.1, 1200.0]).filter(|_| modulus > 1200.0);
+        notes.push(doubt.map(|meant| {
+            format!("`{name}` = {modulus} is a suspicious value unless the gear is rigid: {meant}")
+        }));
         for (prefix, flank) in file.gear(i).flanks() {
             let path = in_gear(i, prefix);
             let note = |(field, um, _)| note(&format!("{path}{field}"), um, 0.1);
@@ -193,9 +202,10 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
         normal_pressure_angle_deg: [10.0, 35.0];
         helix_angle_deg: [-60.0, 60.0];
         center_distance_mm: [ABOVE_0, 1e5];
-        backlash_um: [0.0, 250.0 * module];
+        // Plastic and worn teeth; beyond half a module it is another centre distance.
+        backlash_um: [0.0, 500.0 * module];
         face_offset_mm: [-1e4, 1e4];
-        normal_backlash_um via Dimension::middle: [0.0, 250.0 * module];
+        normal_backlash_um via Dimension::middle: [0.0, 500.0 * module];
     }
     for i in 0..2 {
         check_gear(i, file.gear(i), module)?;
@@ -220,12 +230,14 @@ fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
         // Beyond a hundred modules of face the elastic model outgrows memory.
         face_width_mm: [0.05 * module, 100.0 * module];
         tip_diameter_mm: [ABOVE_0, 1e5];
+        root_form_diameter_mm: [ABOVE_0, 1e5];
         addendum_coefficient: [ABOVE_0, 3.0];
         dedendum_coefficient: [ABOVE_0, 3.0];
         tool_tip_radius_coefficient: [0.0, 1.0];
         bore_diameter_mm: [ABOVE_0, 1e5];
         rim_diameter_mm: [ABOVE_0, 1e5];
-        youngs_modulus_gpa: [ABOVE_0, 2000.0];
+        // A rigid mate is a thousand times as stiff as steel.
+        youngs_modulus_gpa: [ABOVE_0, 1e6];
         poisson_ratio: [0.0, 0.49];
         span_teeth via f64::from: [1.0, f64::from(g.teeth)];
         normal_tooth_thickness_mm via Dimension::middle: [ABOVE_0, 1e5];

@@ -332,6 +332,8 @@ fn dedendum(given: &GearFile, g: &Gear, i: usize) -> Result<f64, Refusal> {
 /// A centre distance on a drawing is rounded to a micrometre: one that is short of the backlash-free
 /// one by less is taken as that without backlash.
 const ROUNDING_OF_CENTER_DISTANCE: f64 = 1e-6;
+/// Profile shifts are rounded to three digits at least: both together are off by less than this.
+const ROUNDING_OF_SHIFTS: f64 = 1e-3;
 /// Backlash that is given beside both tooth thicknesses is rounded, m.
 const ROUNDING_OF_BACKLASH: f64 = 5.0 * UM;
 
@@ -369,8 +371,12 @@ fn backlash_free_center_distance(geometry: &PairGeometry) -> f64 {
     geometry.base_radius_sum() / inverse_involute(geometry.backlash_free_involute()).cos()
 }
 
-/// Thins the teeth of which the drawing does not give the thickness, alike, so that the backlash of the file results.
-pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+/// Thins the teeth of which the drawing does not give the thickness, alike, so that the backlash of the file results. A note
+/// where rounded profile shifts leave less than none.
+pub(super) fn set_backlash(
+    file: &PairFile,
+    geometry: &mut PairGeometry,
+) -> Result<Option<String>, Refusal> {
     let given = [&file.gear1, &file.gear2].map(|g| {
         let measured = g.span_measurement_mm.or(g.dimension_over_balls_mm);
         g.normal_tooth_thickness_mm.or(measured).is_some()
@@ -401,12 +407,27 @@ pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Resu
     let Some((name, wanted, scale)) = wanted else {
         let free = backlash_free_center_distance(geometry);
         let is_rounding = geometry.e() * (free - c) < ROUNDING_OF_CENTER_DISTANCE;
-        ensure!(natural >= 0.0 || is_rounding, "center_distance_mm" => c / MM;
+        // On the line of action, as `natural`.
+        let gear = &geometry.gears[0];
+        let of_shifts = 2.0
+            * ROUNDING_OF_SHIFTS
+            * gear.normal_module
+            * gear.normal_pressure_angle.tan()
+            * gear.transverse_pressure_angle().cos()
+            / gear.helix_angle.cos();
+        let are_rounded = given == [false; 2] && -natural < of_shifts;
+        ensure!(natural >= 0.0 || is_rounding || are_rounded, "center_distance_mm" => c / MM;
             "the teeth jam by {:.1} um at the operating pitch circle", -natural / cos_phi / UM;
             "give {:.4} or {}, or thin the teeth by `backlash_um`",
             free / MM, if geometry.e() > 0.0 { "more" } else { "less" });
         thin(geometry, given, -natural);
-        return Ok(());
+        return Ok((natural < 0.0 && !is_rounding).then(|| {
+            format!(
+                "the profile shifts lack {:.1} um of play at the operating pitch circle, as rounding may leave them; the teeth are \
+                 thinned by it to no backlash, and `backlash_um` gives them some",
+                -natural / cos_phi / UM
+            )
+        }));
     };
     let [um, left] = [rounded(wanted / UM * scale), natural / UM * scale];
     let thinning = wanted - natural;
@@ -414,7 +435,7 @@ pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Resu
         let slack = file.normal_backlash_um.map_or(0.0, |j| j.slack()) * UM;
         ensure!(thinning.abs() <= ROUNDING_OF_BACKLASH + slack, name => um;
             "tooth thicknesses and centre distance leave {left:.1} um"; "give {left:.1}, or leave it out");
-        return Ok(());
+        return Ok(None);
     }
     let otherwise = "give at least that, or change `center_distance_mm` or `profile_shift`";
     let remedy = remedy(name, um, [left, f64::INFINITY], otherwise);
@@ -422,7 +443,7 @@ pub(super) fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Resu
     ensure!(thinning >= -1e-9, name => um;
         "centre distance and profile shifts alone give {left:.1} um"; "{remedy}");
     thin(geometry, given, thinning);
-    Ok(())
+    Ok(None)
 }
 
 /// Thins the teeth, together by `thinning` (m) on the line of action if that is positive: those of gears whose thickness

@@ -168,13 +168,14 @@ with_modifications! {
         pub tip_diameter_mm: Option<f64>,
         /// d_Fa. Default: the tip diameter.
         pub tip_form_diameter_mm: Option<f64>,
+        /// d_Ff. Default: where the fillet ends.
+        pub root_form_diameter_mm: Option<f64>,
         /// Default 1.0; only without `tip_diameter_mm`.
         pub addendum_coefficient: Option<f64>,
         /// Default: that of `root_diameter_mm`, else 1.25.
         pub dedendum_coefficient: Option<f64>,
-        /// Ring: radius of the fillet.
-        #[serde(default = "default_tool_tip_radius")]
-        pub tool_tip_radius_coefficient: f64,
+        /// Ring: radius of the fillet. Default: 0.38, or the largest that fits.
+        pub tool_tip_radius_coefficient: Option<f64>,
         /// External gears. Default: half of the root diameter.
         pub bore_diameter_mm: Option<f64>,
         /// Makes this gear the ring of an internal pair. Default for gear 2 of one: a rim of 3.5 modules.
@@ -480,10 +481,6 @@ fn one() -> f64 {
 
 fn yes() -> bool {
     true
-}
-
-fn default_tool_tip_radius() -> f64 {
-    0.38
 }
 
 fn default_youngs_modulus() -> f64 {

@@ -32,12 +32,13 @@ pub(super) fn unshifted(file: &PairFile, i: usize, helix: f64) -> Gear {
         face_offset: offset.unwrap_or(0.0) * MM,
         tip_radius: f64::NAN,
         dedendum_coefficient: g.dedendum_coefficient.unwrap_or(1.25),
-        tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
+        tool_tip_radius_coefficient: g.tool_tip_radius_coefficient.unwrap_or(USUAL_ROUND),
         held_radius: f64::NAN,
         body: None,
         foundation: None,
         tooth_thinning: 0.0,
         tip_chamfer: 0.0,
+        root_form_radius: None,
         youngs_modulus: g.youngs_modulus_gpa * 1e9,
         poisson_ratio: g.poisson_ratio,
     }
@@ -52,6 +53,7 @@ pub(super) fn set_circles(g: &GearFile, gear: &mut Gear) {
     if let Some(mm) = g.tip_form_diameter_mm {
         gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
     }
+    gear.root_form_radius = g.root_form_diameter_mm.map(radius);
     let root = gear.root_radius();
     let (held, usual) = match gear.kind {
         GearKind::External => (g.bore_diameter_mm, usual_bore(g, gear)),
@@ -69,6 +71,27 @@ fn usual_bore(g: &GearFile, gear: &Gear) -> f64 {
     let radius = diameter.map(|mm| 0.5 * mm * MM);
     let leaves_a_rim = |r: &f64| *r > 0.0 && *r <= root - LEAST_RIM * gear.normal_module;
     radius.filter(leaves_a_rim).unwrap_or(0.5 * root)
+}
+
+/// Usual tip radius of a tool, normal modules.
+const USUAL_ROUND: f64 = 0.38;
+
+/// A note where the usual tip radius has no room in the tooth space of gear `i`, which then gets the largest twentieth that has.
+pub(super) fn shrink_default_round(g: &GearFile, gear: &mut Gear, i: usize) -> Option<String> {
+    let is_too_large = |gear: &Gear| ToothProfile::new(gear) == Err(ProfileError::RoundTooLarge);
+    if g.tool_tip_radius_coefficient.is_some() || !is_too_large(gear) {
+        return None;
+    }
+    let smaller = (0..8).rev().map(|twentieths| Gear {
+        tool_tip_radius_coefficient: f64::from(twentieths) / 20.0,
+        ..gear.clone()
+    });
+    *gear = smaller.into_iter().find(|gear| !is_too_large(gear))?;
+    let radius = gear.tool_tip_radius_coefficient;
+    let name = in_gear(i, "tool_tip_radius_coefficient");
+    Some(format!(
+        "`{name}` = {radius}, as the usual {USUAL_ROUND} does not fit into the tooth space; give that of the tool"
+    ))
 }
 
 /// The field that sets the tip circle of gear `i`, and its value.
@@ -98,6 +121,16 @@ pub(super) fn profile(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothPro
         in_gear(i, "tip_form_diameter_mm") => 2.0 * gear.tip_form_radius() / MM;
         "is the end of the involute of tips with the diameter {:.3} mm", 2.0 * gear.tip_radius / MM;
         "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter");
+    if let Some(radius) = gear.root_form_radius {
+        let [form, given, tip] =
+            [profile.form_radius(), radius, gear.tip_form_radius()].map(|r| 2.0 * r / MM);
+        let kappa = gear.kappa();
+        // A form diameter is rounded to a hundredth of a millimetre.
+        ensure!(kappa * (given - form) >= -0.01 && kappa * (tip - given) > 0.0,
+            in_gear(i, "root_form_diameter_mm") => given;
+            "the involute reaches from the fillet at diameter {form:.3} mm to the tip at {tip:.3} mm";
+            "give the diameter between them at which the usable involute begins, or leave it out for {form:.3}");
+    }
     // The held surface leaves a wall to the root circle, and is no point.
     let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
     let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;

@@ -18,7 +18,7 @@ pub(super) fn shorten_default_ring(
         return Ok(None);
     };
     let pinion = 1 - ring;
-    let form = gears::profile(file, &geometry.gears[pinion], pinion)?.form_roll();
+    let form = gears::profile(file, &geometry.gears[pinion], pinion)?.usable_roll();
     let start = form + 0.02 * geometry.gears[pinion].normal_module;
     let standard = geometry.gears[ring].tip_radius;
     for um in file.operating.center_distance_offset_um {
@@ -254,7 +254,7 @@ impl InMesh<'_> {
     fn check_active_profile(&self, i: usize) -> Result<(), Refusal> {
         let (geometry, profile, c) = (self.geometry, &self.profiles[i], self.center_distance);
         let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
-        let form_roll = profile.form_roll();
+        let form_roll = profile.usable_roll();
         let start = geometry.active_start_roll(i, c);
         let is_undercut = profile.is_undercut();
         let dip = if is_undercut { 0.0 } else { DIP_INTO_FILLET };
@@ -270,12 +270,17 @@ impl InMesh<'_> {
         };
         let number = 2 - i;
         let limit = format!("a `tip_diameter_mm` of at {bound} {limit:.3} mm for gear {number}");
-        let form = 2.0 * profile.form_radius() / MM;
+        let form = 2.0 * profile.usable_radius() / MM;
         let begins = 2.0 * gear.base_radius().hypot(start) / MM;
         if is_undercut {
             return Err(refusal!(in_gear(i, "profile_shift") => gear.profile_shift;
                 "undercut reaches the active profile: the involute starts at diameter {form:.3} mm, contact at {begins:.3} mm";
                 "choose a larger profile shift, more teeth, or {limit}"));
+        }
+        if let Some(root) = self.file.gear(i).root_form_diameter_mm {
+            return Err(refusal!(in_gear(i, "root_form_diameter_mm") => root;
+                "contact begins below it, at diameter {begins:.3} mm";
+                "choose a tool that leaves more involute, or {limit}"));
         }
         let (tip, value) = tip_field(self.file, mate, 1 - i);
         Err(refusal!(tip => value;

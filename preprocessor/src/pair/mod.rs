@@ -101,7 +101,10 @@ fn resolve_gears(
             "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
     }
     drawing::set_center_distance(file, &mut geometry)?;
-    drawing::set_backlash(file, &mut geometry)?;
+    notes.extend(drawing::set_backlash(file, &mut geometry)?);
+    for (i, gear) in geometry.gears.iter_mut().enumerate() {
+        notes.extend(gears::shrink_default_round(file.gear(i), gear, i));
+    }
     notes.extend(mesh::shorten_default_ring(file, &mut geometry)?);
     let [a, b] = &geometry.gears;
     let profiles = [gears::profile(file, a, 0)?, gears::profile(file, b, 1)?];

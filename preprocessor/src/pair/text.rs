@@ -44,7 +44,7 @@ const LONGEST: u64 = 4 << 20;
 pub(super) fn read(path: &Path) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     // One byte more than allowed shows a longer file, even where no length is known.
-    let mut file = std::fs::File::open(path)?.take(LONGEST + 1);
+    let mut file = crate::storage::open(path)?.take(LONGEST + 1);
     let is_long = file.read_to_end(&mut bytes)? as u64 > LONGEST;
     let problem = match String::from_utf8(bytes) {
         Err(error) if error.as_bytes().starts_with(b"PK") => {
@@ -74,7 +74,7 @@ pub(super) fn read_fields(path: &Path) -> Result<PairFile, PairError> {
 /// # Errors
 /// [`PairError::Form`] with path, line and column.
 pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
-    let text = text.trim_start_matches('\u{feff}');
+    let text = &with_line_feeds(text.trim_start_matches('\u{feff}'));
     let mut plain = text.as_bytes().to_vec();
     // A lone `/` ends it early, and what is left of it is an error of the parser at its place.
     let _ = json_strip_comments::strip_slice(&mut plain);
@@ -89,6 +89,13 @@ pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
         .map_err(|error| form(text, &error.path().to_string(), error.inner()))?;
     json.end().map_err(|error| form(text, ".", &error))?;
     Ok(file)
+}
+
+/// `text` with a line feed in place of each carriage return that ends a line alone, as old editors write them: a comment
+/// ends there.
+fn with_line_feeds(text: &str) -> String {
+    let windows = text.replace("\r\n", " \n");
+    windows.replace('\r', "\n")
 }
 
 /// The error in plain words, with the path of its field and the text about its place.

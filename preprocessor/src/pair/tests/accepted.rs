@@ -321,3 +321,100 @@ fn a_name_that_is_no_field_of_a_draft_is_refused() {
     let error = draft.set("name.length", 1.0).unwrap_err().to_string();
     assert!(error.contains("`name`"), "{error}");
 }
+
+/// Published ring stages whose profile shifts are printed with four digits.
+#[test]
+fn shifts_that_rounding_leaves_short_of_play_are_noted_and_mesh_without_backlash() {
+    for (teeth, module, distance, shifts) in [
+        ([36, 93], 21.0, 584.0, [0.5039, 0.1171]),
+        ([17, 56], 45.0, 863.0, [0.8021, -0.5013]),
+    ] {
+        let text = format!(
+            r#"{{"name": "ring", "meshing": "internal", "normal_module_mm": {module}, "normal_pressure_angle_deg": 20,
+            "center_distance_mm": {distance},
+            "gear1": {{"teeth": {}, "face_width_mm": 200, "profile_shift": {}}},
+            "gear2": {{"teeth": {}, "face_width_mm": 200, "profile_shift_iso_21771": {}}},
+            "operating": {{"nominal_torque_nm": 10000, "maximum_torque_nm": 20000,
+            "center_distance_offset_um": [0, 0], "misalignment_mrad": [0, 0]}}}}"#,
+            teeth[0], shifts[0], teeth[1], shifts[1]
+        );
+        let pair = from_json(&text).unwrap();
+        let g = &pair.geometry;
+        assert!(g.backlash(g.center_distance) > -1e-9, "{distance}");
+        // A hundredth is no rounding.
+        let far = text.replace(&shifts[0].to_string(), &(shifts[0] + 0.01).to_string());
+        assert!(from_json(&far).unwrap_err().to_string().contains("jam"));
+    }
+    let jamming = pair(
+        PAPER,
+        r#"{"center_distance_mm": 82.101, "backlash_um": null}"#,
+    );
+    assert!(is_noted(&jamming, "the profile shifts lack"));
+}
+
+/// A plastic gear as drawn against a rigid one.
+#[test]
+fn plastic_and_rigid_gears_with_half_a_module_of_backlash_are_accepted() {
+    let patch = r#"{"normal_module_mm": 1, "center_distance_mm": null, "backlash_um": 485,
+        "gear1": {"tip_diameter_mm": null, "bore_diameter_mm": 8, "youngs_modulus_gpa": 0.5, "tip_relief": null, "face_width_mm": 10},
+        "gear2": {"tip_diameter_mm": null, "bore_diameter_mm": 8, "youngs_modulus_gpa": 206000, "tip_relief": null, "face_width_mm": 10},
+        "operating": {"nominal_torque_nm": 0.1, "maximum_torque_nm": 0.2}}"#;
+    let pair = pair(PAPER, patch);
+    let g = &pair.geometry;
+    let phi = g.operating_pressure_angle(g.center_distance);
+    assert_abs_diff_eq!(
+        g.backlash(g.center_distance) / phi.cos(),
+        485e-6,
+        epsilon = 1e-9
+    );
+    assert_abs_diff_eq!(g.gears[1].youngs_modulus, 206e12, epsilon = 1.0);
+}
+
+#[test]
+fn the_usable_involute_begins_at_the_root_form_diameter_and_contact_must_begin_above_it() {
+    let free = pair(PAPER, "{}");
+    let fillet = ToothProfile::new(&free.geometry.gears[0]).unwrap();
+    let given = 2e3 * fillet.form_radius() + 0.1;
+    let patch = format!(r#"{{"gear1": {{"root_form_diameter_mm": {given}}}}}"#);
+    let profile = ToothProfile::new(&pair(PAPER, &patch).geometry.gears[0]).unwrap();
+    assert_abs_diff_eq!(2e3 * profile.usable_radius(), given, epsilon = 1e-9);
+    assert_eq!(profile.form_roll(), fillet.form_roll());
+    let refused = refusal(PAPER, r#"{"gear1": {"root_form_diameter_mm": 80}}"#);
+    assert!(
+        refused.problem.contains("contact begins below it"),
+        "{refused}"
+    );
+    let refused = refusal(PAPER, r#"{"gear1": {"root_form_diameter_mm": 70}}"#);
+    assert!(
+        refused.problem.contains("from the fillet at diameter"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_file_whose_lines_end_in_carriage_returns_alone_is_read() {
+    let text = PAPER.replace("\r\n", "\n").replace('\n', "\r");
+    assert_eq!(
+        from_json(&format!("// a comment\r{text}")).unwrap(),
+        pair(PAPER, "{}")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_by_name_and_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pipe.json");
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(&path)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let message = read(&path).unwrap_err().to_string();
+    assert!(
+        message.contains("pipe.json") && message.contains("pipe or a device"),
+        "{message}"
+    );
+}

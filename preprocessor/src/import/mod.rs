@@ -1,0 +1,3 @@
+//! Files of other programs as input of this one.
+
+pub mod rexs;

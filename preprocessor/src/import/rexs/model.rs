@@ -1,0 +1,288 @@
+//! The form of REXS files: components with attributes, and the relations between them, in XML, JSON or a zip archive of one.
+
+use std::cell::Cell;
+use std::collections::{HashMap, HashSet};
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
+
+use crate::storage;
+
+/// What is wrong with a REXS file.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct RexsError(pub(super) String);
+
+pub(super) fn refused<T>(problem: impl Into<String>) -> Result<T, RexsError> {
+    Err(RexsError(problem.into()))
+}
+
+/// Longest model, bytes: gearboxes of thousands of parts have a few million.
+const LONGEST: u64 = 256 << 20;
+
+/// Attributes of one XML element, at most: those of REXS have a handful, and the parser compares each with all.
+const MOST_XML_ATTRIBUTES: usize = 1000;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Attribute {
+    pub id: String,
+    pub unit: String,
+    #[serde(alias = "floating_point", alias = "integer", alias = "enum")]
+    #[serde(alias = "string", alias = "boolean", alias = "floating_point_array")]
+    pub value: Value,
+    /// Whether the pair file has it.
+    #[serde(skip)]
+    pub is_taken: Cell<bool>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Component {
+    #[serde(deserialize_with = "word")]
+    pub id: String,
+    #[serde(rename = "type")]
+    pub kind: String,
+    #[serde(deserialize_with = "word")]
+    pub name: String,
+    pub attributes: Vec<Attribute>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Ref {
+    role: String,
+    #[serde(deserialize_with = "word")]
+    id: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Relation {
+    #[serde(rename = "type")]
+    pub kind: String,
+    refs: Vec<Ref>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Model {
+    pub version: String,
+    pub components: Vec<Component>,
+    pub relations: Vec<Relation>,
+    /// Places of the components by id.
+    #[serde(skip)]
+    places: HashMap<String, usize>,
+}
+
+/// Ids are numbers or text.
+fn word<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    Ok(match Value::deserialize(from)? {
+        Value::String(word) => word,
+        Value::Null => String::new(),
+        other => other.to_string(),
+    })
+}
+
+impl Attribute {
+    /// The value as it stands in the file.
+    pub fn shown(&self) -> String {
+        match &self.value {
+            Value::String(text) => text.clone(),
+            other => other.to_string(),
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.value.is_null() || self.value == ""
+    }
+}
+
+impl Component {
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        let mut all = self.attributes.iter();
+        all.find(|a| a.id == name && !a.is_empty())
+    }
+}
+
+impl Relation {
+    pub fn role(&self, role: &str) -> Option<&str> {
+        let found = self.refs.iter().find(|r| r.role == role)?;
+        Some(&found.id)
+    }
+
+    pub fn names(&self, id: &str) -> bool {
+        self.refs.iter().any(|r| r.id == id)
+    }
+}
+
+impl Model {
+    /// The model in the file at `path`.
+    pub fn read(path: &Path) -> Result<Model, RexsError> {
+        let unreadable = |error: std::io::Error| RexsError(format!("cannot read it: {error}"));
+        let mut bytes = Vec::new();
+        let file = storage::open(path).map_err(unreadable)?;
+        file.take(LONGEST + 1)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
+        Model::from_bytes(bytes)
+    }
+
+    /// The model in the `bytes` of a file: XML, JSON or a zip archive with one of them.
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Model, RexsError> {
+        let bytes = match bytes.starts_with(b"PK") {
+            true => unzipped(bytes)?,
+            false => bytes,
+        };
+        if bytes.len() as u64 > LONGEST {
+            return refused(format!("longer than {} MB", LONGEST >> 20));
+        }
+        let text = String::from_utf8(bytes);
+        let text = text.or_else(|_| refused("no text in UTF-8"))?;
+        let text = text.trim_start_matches('\u{feff}').trim_start();
+        let mut model = match text.starts_with('{') {
+            true => Model::from_json(text)?,
+            false => Model::from_xml(text)?,
+        };
+        let ids = model.components.iter().enumerate();
+        // The first of those that have one id.
+        model.places = ids.rev().map(|(i, c)| (c.id.clone(), i)).collect();
+        Ok(model)
+    }
+
+    fn from_json(text: &str) -> Result<Model, RexsError> {
+        let wrong = |error: serde_json::Error| RexsError(format!("no REXS file: {error}"));
+        let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
+        if !file["model"].is_object() {
+            return refused("it has no `model`, as REXS files in JSON have");
+        }
+        serde_json::from_value(file["model"].take()).map_err(wrong)
+    }
+
+    fn from_xml(text: &str) -> Result<Model, RexsError> {
+        let is_element = |tag: &&str| !tag.starts_with(['!', '?', '/']);
+        for tag in text.split('<').filter(is_element) {
+            if tag.len() > MOST_XML_ATTRIBUTES && tag.matches('=').count() > MOST_XML_ATTRIBUTES {
+                let name: String = tag.chars().take_while(|c| c.is_alphanumeric()).collect();
+                return refused(format!(
+                    "the element <{name}> has more than {MOST_XML_ATTRIBUTES} XML attributes, and those of REXS have a few"
+                ));
+            }
+        }
+        let remedy = "give the .rexs (XML), .rexsj (JSON) or .rexsz (zip) file";
+        let document = roxmltree::Document::parse(text)
+            .or_else(|error| refused(format!("no REXS file: {error}; {remedy}")))?;
+        let root = document.root_element();
+        let tag = root.tag_name().name();
+        if tag != "model" {
+            return refused(format!(
+                "its root is <{tag}>, that of a REXS file is <model>"
+            ));
+        }
+        // Load spectra and accumulations list components again, with results.
+        let parts = |list: &'static str, part: &'static str| {
+            let lists = root.children().filter(move |c| c.has_tag_name(list));
+            lists.flat_map(move |l| l.children().filter(move |c| c.has_tag_name(part)))
+        };
+        Ok(Model {
+            version: given(root, "version"),
+            components: parts("components", "component").map(component).collect(),
+            relations: parts("relations", "relation").map(relation).collect(),
+            places: HashMap::new(),
+        })
+    }
+
+    pub fn component(&self, id: &str) -> Option<&Component> {
+        self.components.get(*self.places.get(id)?)
+    }
+
+    /// Components that stand in a relation with `id`, of a kind of which `is_kind` holds.
+    pub fn related(&self, id: &str, is_kind: impl Fn(&str) -> bool) -> Vec<&Component> {
+        let relations = self.relations.iter().filter(|r| r.names(id));
+        let others = relations.flat_map(|r| &r.refs).filter(|r| r.id != id);
+        let mut seen = HashSet::new();
+        others
+            .filter(|r| seen.insert(&r.id))
+            .filter_map(|r| self.component(&r.id))
+            .filter(|c| is_kind(&c.kind))
+            .collect()
+    }
+}
+
+fn given(node: roxmltree::Node, name: &str) -> String {
+    node.attribute(name).unwrap_or_default().to_owned()
+}
+
+fn text(node: roxmltree::Node) -> String {
+    node.text().unwrap_or_default().trim().to_owned()
+}
+
+fn component(node: roxmltree::Node) -> Component {
+    let attributes = node.children().filter(|c| c.has_tag_name("attribute"));
+    Component {
+        id: given(node, "id"),
+        kind: given(node, "type"),
+        name: given(node, "name"),
+        attributes: attributes.map(attribute).collect(),
+    }
+}
+
+/// One value as text, or the numbers of an array.
+fn attribute(node: roxmltree::Node) -> Attribute {
+    let array = node.children().find(|c| c.has_tag_name("array"));
+    let numbers = |array: roxmltree::Node| {
+        let cells = array.children().filter(roxmltree::Node::is_element);
+        cells.map(|cell| text(cell).into()).collect()
+    };
+    Attribute {
+        id: given(node, "id"),
+        unit: given(node, "unit"),
+        value: array.map_or_else(|| text(node).into(), |a| Value::Array(numbers(a))),
+        is_taken: Cell::new(false),
+    }
+}
+
+fn relation(node: roxmltree::Node) -> Relation {
+    let refs = node.children().filter(|c| c.has_tag_name("ref"));
+    Relation {
+        kind: given(node, "type"),
+        refs: refs
+            .map(|r| Ref {
+                role: given(r, "role"),
+                id: given(r, "id"),
+            })
+            .collect(),
+    }
+}
+
+/// The one model in a zip archive (.rexsz).
+fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>, RexsError> {
+    let wrong = |error: zip::result::ZipError| RexsError(format!("a damaged archive: {error}"));
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(wrong)?;
+    let is_model = |name: &&str| {
+        let extension = Path::new(name).extension().map(|e| e.to_ascii_lowercase());
+        extension.is_some_and(|e| {
+            ["rexs", "rexsj", "xml", "json"]
+                .iter()
+                .any(|known| e == *known)
+        })
+    };
+    let models: Vec<String> = (archive.file_names().filter(is_model))
+        .map(str::to_owned)
+        .collect();
+    let [name] = &models[..] else {
+        return refused(format!(
+            "an archive with {} models ({}), and one is expected: a .rexs or .rexsj file",
+            models.len(),
+            models.join(", ")
+        ));
+    };
+    let mut model = Vec::new();
+    let file = archive.by_name(name).map_err(wrong)?;
+    match file.take(LONGEST + 1).read_to_end(&mut model) {
+        Ok(_) => Ok(model),
+        Err(error) => refused(format!("a damaged archive: {name}: {error}")),
+    }
+}

@@ -1,0 +1,387 @@
+use std::io::Write;
+
+use approx::assert_abs_diff_eq;
+
+use super::*;
+
+/// Attributes of one component: name and value.
+type Attributes<'a> = &'a [(&'a str, Value)];
+
+/// A stage of helical gears with 27 and 51 teeth; later attributes take the place of earlier ones.
+struct File<'a> {
+    version: &'a str,
+    stage: Attributes<'a>,
+    gears: [Attributes<'a>; 2],
+    flanks: [Attributes<'a>; 2],
+    tool: Attributes<'a>,
+    settings: [Attributes<'a>; 2],
+}
+
+const NONE: Attributes = &[];
+
+impl Default for File<'_> {
+    fn default() -> Self {
+        File {
+            version: "1.5",
+            stage: NONE,
+            gears: [NONE; 2],
+            flanks: [NONE; 2],
+            tool: NONE,
+            settings: [NONE; 2],
+        }
+    }
+}
+
+impl File<'_> {
+    fn bytes(&self) -> Vec<u8> {
+        let component = |id: u32, kind: &str, attributes: Vec<(&str, Value)>| {
+            let mut map = Map::new();
+            map.extend(
+                attributes
+                    .into_iter()
+                    .map(|(name, value)| (name.to_owned(), value)),
+            );
+            let attributes = map.into_iter().filter(|(_, value)| !value.is_null());
+            let attributes = attributes.map(|(name, value)| {
+                let key = if value.is_array() {
+                    "floating_point_array"
+                } else {
+                    "floating_point"
+                };
+                json!({"id": name, "unit": "none", key: value})
+            });
+            json!({"id": id, "type": kind, "attributes": attributes.collect::<Vec<_>>()})
+        };
+        let mut components = vec![component(
+            1,
+            "cylindrical_stage",
+            [&[("center_distance", json!(190.0))], self.stage].concat(),
+        )];
+        let mut relations = vec![json!({"type": "stage", "refs": [
+            {"role": "stage", "id": 1}, {"role": "gear_1", "id": 2}, {"role": "gear_2", "id": 3}]})];
+        for i in 0..2 {
+            let [gear, flank, tool, settings] = [2, 4, 6, 8].map(|id| id + i as u32);
+            let given = [
+                ("number_of_teeth", json!([27, 51][i])),
+                ("normal_module", json!(4.5)),
+                ("helix_angle_reference_diameter", json!([21.0, -21.0][i])),
+                ("face_width", json!(50.0)),
+                (
+                    "tip_diameter",
+                    json!([141.84411672689902, 256.2932478270232][i]),
+                ),
+            ];
+            components.push(component(
+                gear,
+                "cylindrical_gear",
+                [&given, self.gears[i]].concat(),
+            ));
+            let given = [
+                ("normal_pressure_angle", json!(20.0)),
+                (
+                    "addendum_modification_coefficient",
+                    json!([0.3, 0.1628301985916763][i]),
+                ),
+            ];
+            components.push(component(
+                flank,
+                "cylindrical_gear_flank",
+                [&given, self.flanks[i]].concat(),
+            ));
+            let given = [
+                ("addendum_coefficient_reference_profile", json!(1.25)),
+                ("tip_radius_factor", json!(0.25)),
+            ];
+            components.push(component(
+                tool,
+                "rack_shaped_tool",
+                [&given, self.tool].concat(),
+            ));
+            components.push(component(settings, SETTINGS, self.settings[i].to_vec()));
+            relations.push(json!({"type": "flank", "refs": [
+                {"role": "gear", "id": gear}, {"role": "left", "id": flank}, {"role": "right", "id": flank}]}));
+            relations.push(
+                json!({"type": "manufacturing_step", "refs": [{"role": "workpiece", "id": flank},
+                {"role": "tool", "id": tool}, {"role": "manufacturing_settings", "id": settings}]}),
+            );
+        }
+        let model =
+            json!({"version": self.version, "components": components, "relations": relations});
+        json!({"model": model}).to_string().into_bytes()
+    }
+
+    /// The pair and the account.
+    fn import(&self) -> (Pair, String) {
+        let imported = from_bytes(self.bytes(), "stage").unwrap();
+        (pair::from_json(&imported.text).unwrap(), imported.account)
+    }
+
+    fn refusal(&self) -> String {
+        from_bytes(self.bytes(), "stage").unwrap_err().to_string()
+    }
+}
+
+fn says(account: &str, words: &str) {
+    assert!(account.contains(words), "{account}");
+}
+
+/// Results of a gearbox program for the same gears.
+#[test]
+fn a_shift_that_is_not_given_follows_from_that_of_the_mate_and_the_centre_distance() {
+    let (pair, account) = File {
+        flanks: [NONE, &[("addendum_modification_coefficient", Value::Null)]],
+        ..File::default()
+    }
+    .import();
+    let gear = &pair.geometry.gears[1];
+    assert_abs_diff_eq!(gear.profile_shift, 0.1628301985916763, epsilon = 1e-8);
+    assert_abs_diff_eq!(2e3 * gear.root_radius(), 236.043, epsilon = 1e-3);
+    says(
+        &account,
+        "derived: gear2.profile_shift_iso_21771 = 0.162830",
+    );
+}
+
+#[test]
+fn the_centre_distance_follows_from_the_positions_and_without_them_is_said_to_be_assumed() {
+    let at = |z: f64| {
+        [
+            ("support_vector", json!([47.0, 0.0, z])),
+            ("u_axis_vector", json!([1.0, 0.0, 0.0])),
+        ]
+    };
+    let (one, two) = (at(0.0), at(-190.1));
+    let stage: Attributes = &[("center_distance", Value::Null)];
+    let file = File {
+        stage,
+        gears: [&one, &two],
+        ..File::default()
+    };
+    let (pair, account) = file.import();
+    assert_abs_diff_eq!(pair.geometry.center_distance, 0.1901, epsilon = 1e-12);
+    says(
+        &account,
+        "derived: center_distance_mm = 190.1 from support_vector",
+    );
+    let (pair, account) = File {
+        stage,
+        ..File::default()
+    }
+    .import();
+    assert_abs_diff_eq!(pair.geometry.center_distance, 0.19, epsilon = 1e-8);
+    says(
+        &account,
+        "assumed: center_distance_mm = 190.0000: without backlash",
+    );
+    let (_, account) = File {
+        gears: [&one, &two],
+        ..File::default()
+    }
+    .import();
+    says(
+        &account,
+        "warning: center_distance_mm = 190 of the stage, but the positions of the gears are 190.1 mm apart",
+    );
+}
+
+/// Root and root form diameters and backlash of a gearbox program.
+#[test]
+fn generated_shifts_give_root_circle_and_backlash_whether_the_root_diameter_is_given_or_not() {
+    let x = |nominal: f64, lower: f64| {
+        [
+            (GENERATED_SHIFT, json!(nominal)),
+            (
+                "generated_addendum_modification_coefficient_lower_deviation",
+                json!(lower),
+            ),
+            (
+                "generated_addendum_modification_coefficient_upper_deviation",
+                json!(nominal),
+            ),
+        ]
+    };
+    let one = x(0.26489334408474646, 0.24962958064333188);
+    let two = x(0.12772354267642277, 0.11245977923500822);
+    let roots = [121.27815682366175, 235.72728792378598];
+    let given = roots.map(|root| [("root_diameter", json!(root))]);
+    for gears in [[NONE; 2], [&given[0], &given[1]]] {
+        let (pair, _) = File {
+            gears,
+            settings: [&one, &two],
+            ..File::default()
+        }
+        .import();
+        let g = &pair.geometry;
+        for (i, form) in [124.2117, 238.2360].into_iter().enumerate() {
+            let profile = gearmesh::gear::ToothProfile::new(&g.gears[i]).unwrap();
+            assert_abs_diff_eq!(2e3 * g.gears[i].root_radius(), roots[i], epsilon = 1e-4);
+            assert_abs_diff_eq!(2e3 * profile.usable_radius(), form, epsilon = 1e-3);
+        }
+        let normal = 1e6 * g.backlash(g.center_distance) * g.base_helix_angle().cos();
+        assert_abs_diff_eq!(normal, 263.0, epsilon = 0.5);
+    }
+}
+
+#[test]
+fn a_tip_chamfer_ends_the_involute_twice_its_height_below_the_tip_diameter() {
+    let chamfer: Attributes = &[("tooth_tip_chamfer", json!(0.4))];
+    let (pair, account) = File {
+        flanks: [chamfer, NONE],
+        ..File::default()
+    }
+    .import();
+    let form = 2e3 * pair.geometry.gears[0].tip_form_radius();
+    assert_abs_diff_eq!(form, 141.84411672689902 - 0.8, epsilon = 1e-6);
+    says(&account, "derived: gear1.tip_form_diameter_mm = 141.044");
+}
+
+#[test]
+fn a_protuberance_deeper_than_the_allowance_ends_the_usable_involute_above_the_fillet() {
+    let tool: Attributes = &[
+        ("protuberance_amount", json!(0.1)),
+        ("protuberance_angle", json!(10.0)),
+    ];
+    let form = |allowance: f64| {
+        let settings = [("machining_allowance", json!(allowance))];
+        let (pair, account) = File {
+            tool,
+            settings: [&settings; 2],
+            ..File::default()
+        }
+        .import();
+        let gear = &pair.geometry.gears[0];
+        let fillet = gearmesh::gear::ToothProfile::new(gear)
+            .unwrap()
+            .form_radius();
+        (
+            2e3 * (gear.root_form_radius.unwrap_or(fillet) - fillet),
+            account,
+        )
+    };
+    let ([deep, shallow, none], accounts) = {
+        let all = [0.02, 0.06, 0.1].map(form);
+        (
+            all.each_ref().map(|(mm, _)| *mm),
+            all.map(|(_, account)| account),
+        )
+    };
+    assert!(
+        deep > shallow && shallow > 0.0 && none == 0.0,
+        "{deep} {shallow} {none}"
+    );
+    says(&accounts[0], "derived: gear1.root_form_diameter_mm = ");
+    says(
+        &accounts[2],
+        "derived: gear1: no undercut is left: protuberance 0.1 mm less machining allowance 0.1 mm",
+    );
+}
+
+#[test]
+fn names_of_version_2_are_read_and_other_versions_noted() {
+    let tool: Attributes = &[
+        ("tip_radius_factor", Value::Null),
+        ("tip_corner_radius_factor_reference_profile", json!(0.25)),
+    ];
+    let (pair, account) = File {
+        version: "2.0.0",
+        tool,
+        ..File::default()
+    }
+    .import();
+    assert_eq!(pair.geometry.gears[0].tool_tip_radius_coefficient, 0.25);
+    assert!(!account.contains("warning"), "{account}");
+    for version in ["1.3", "2.1", "new", ""] {
+        let (_, account) = File {
+            version,
+            ..File::default()
+        }
+        .import();
+        says(&account, "warning: the file has version");
+    }
+}
+
+#[test]
+fn what_changes_the_geometry_and_is_left_out_is_a_warning_with_its_value() {
+    let flank: Attributes = &[
+        ("tooth_root_chamfer_height", json!(1.5)),
+        ("quality", json!(6)),
+    ];
+    let (_, account) = File {
+        flanks: [flank, NONE],
+        ..File::default()
+    }
+    .import();
+    says(
+        &account,
+        "warning: cylindrical_gear_flank 4: tooth_root_chamfer_height = 1.5 is left out",
+    );
+    says(&account, "left: cylindrical_gear_flank 4: quality = 6");
+}
+
+#[test]
+fn gears_that_contradict_each_other_are_refused_with_both_values() {
+    let angle: Attributes = &[("normal_pressure_angle", json!(25.0))];
+    let refused = File {
+        flanks: [NONE, angle],
+        ..File::default()
+    }
+    .refusal();
+    says(
+        &refused,
+        "= 20, but normal_pressure_angle of cylindrical_gear_flank 5 = 25",
+    );
+    let module: Attributes = &[("normal_module", json!(4.0))];
+    says(
+        &File {
+            gears: [NONE, module],
+            ..File::default()
+        }
+        .refusal(),
+        "= 4.5, but",
+    );
+    let helix: Attributes = &[("helix_angle_reference_diameter", json!(21.0))];
+    says(
+        &File {
+            gears: [NONE, helix],
+            ..File::default()
+        }
+        .refusal(),
+        "opposite hands",
+    );
+}
+
+#[test]
+fn an_archive_with_one_model_is_read_and_one_with_two_refused() {
+    for count in [1, 2] {
+        let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default();
+        for i in 0..count {
+            archive
+                .start_file(format!("model{i}.rexsj"), options)
+                .unwrap();
+            archive.write_all(&File::default().bytes()).unwrap();
+        }
+        let made = from_bytes(archive.finish().unwrap().into_inner(), "stage");
+        assert_eq!(made.is_ok(), count == 1);
+    }
+}
+
+#[test]
+fn elements_with_more_xml_attributes_than_any_of_rexs_are_refused_before_they_are_compared() {
+    let many: String = (0..2000).map(|i| format!(" a{i}=\"1\"")).collect();
+    let refused = from_bytes(format!("<model{many}/>").into_bytes(), "stage").unwrap_err();
+    says(&refused.to_string(), "XML attributes");
+}
+
+/// Changed bytes and values are refused with words or give a pair; nothing panics.
+#[test]
+fn changed_files_are_refused_or_become_pairs() {
+    let whole = File::default().bytes();
+    for i in (0..whole.len()).step_by(7) {
+        let mut bytes = whole.clone();
+        bytes[i] = [b'9', b'-', b'"', b'{', 0xff][i % 5];
+        if let Err(error) = from_bytes(bytes, "stage") {
+            assert!(!error.to_string().is_empty());
+        }
+    }
+}

@@ -235,45 +235,55 @@ fn a_tip_chamfer_ends_the_involute_twice_its_height_below_the_tip_diameter() {
     says(&account, "derived: gear1.tip_form_diameter_mm = 141.044");
 }
 
+/// Diameters from a sweep of the tool's round in steps of four thousandths of a degree.
 #[test]
 fn a_protuberance_deeper_than_the_allowance_ends_the_usable_involute_above_the_fillet() {
     let tool: Attributes = &[
         ("protuberance_amount", json!(0.1)),
         ("protuberance_angle", json!(10.0)),
     ];
-    let form = |allowance: f64| {
+    let short = [140.0, 254.0].map(|tip| [("tip_diameter", json!(tip))]);
+    for (allowance, form, words) in [
+        (
+            0.02,
+            Some(125.9413),
+            "derived: gear1.root_form_diameter_mm = 125.941",
+        ),
+        (
+            0.06,
+            Some(125.6142),
+            "derived: gear1.root_form_diameter_mm = 125.614",
+        ),
+        (0.1, None, "derived: gear1: no undercut is left"),
+    ] {
         let settings = [("machining_allowance", json!(allowance))];
-        let (pair, account) = File {
+        let settings: [Attributes; 2] = [&settings; 2];
+        let file = File {
             tool,
-            settings: [&settings; 2],
+            settings,
+            gears: [&short[0], &short[1]],
             ..File::default()
+        };
+        let (pair, account) = file.import();
+        let found = pair.geometry.gears[0].root_form_radius;
+        assert_eq!(found.is_some(), form.is_some(), "{account}");
+        assert_abs_diff_eq!(
+            2e3 * found.unwrap_or(0.0),
+            form.unwrap_or(0.0),
+            epsilon = 1e-3
+        );
+        says(&account, words);
+        if allowance == 0.02 {
+            // Longer teeth would begin below it.
+            let (_, account) = File {
+                gears: [NONE; 2],
+                ..file
+            }
+            .import();
+            says(&account, "warning: gear1.root_form_diameter_mm = 125.941");
+            says(&account, "is left out: contact begins below it");
         }
-        .import();
-        let gear = &pair.geometry.gears[0];
-        let fillet = gearmesh::gear::ToothProfile::new(gear)
-            .unwrap()
-            .form_radius();
-        (
-            2e3 * (gear.root_form_radius.unwrap_or(fillet) - fillet),
-            account,
-        )
-    };
-    let ([deep, shallow, none], accounts) = {
-        let all = [0.02, 0.06, 0.1].map(form);
-        (
-            all.each_ref().map(|(mm, _)| *mm),
-            all.map(|(_, account)| account),
-        )
-    };
-    assert!(
-        deep > shallow && shallow > 0.0 && none == 0.0,
-        "{deep} {shallow} {none}"
-    );
-    says(&accounts[0], "derived: gear1.root_form_diameter_mm = ");
-    says(
-        &accounts[2],
-        "derived: gear1: no undercut is left: protuberance 0.1 mm less machining allowance 0.1 mm",
-    );
+    }
 }
 
 #[test]

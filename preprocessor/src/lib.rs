@@ -6,8 +6,8 @@
 
 pub mod contact;
 pub mod finite_element;
-mod iso_6336_1;
 pub mod import;
+mod iso_6336_1;
 mod iso_6336_3;
 pub mod package;
 pub mod pair;

@@ -99,10 +99,12 @@ impl New {
     /// Writes the pair file `text`; `summary` is printed with a file, and notes go beside a pair file on standard output.
     fn write(&self, text: &str, summary: &str) -> Result<()> {
         let Some(path) = &self.output else {
+            output::print(text)?;
+            // A file from REXS has its account in comments.
             if self.rexs.is_none() {
                 eprint!("{summary}");
             }
-            return output::print(text);
+            return Ok(());
         };
         let file = path.display();
         if path.exists() {

@@ -69,8 +69,8 @@ pub struct Basis<const N: usize> {
     /// First cell to try, by equal buckets over the range.
     buckets: Vec<u32>,
     bucket_scale: f64,
-    /// How far the continuation beyond the lower and the upper end of a bounded axis stays linear, in units of the coordinate.
-    pub(crate) guard: [f64; 2],
+    /// How far beyond the lower and the upper end of a bounded axis the continuation has levelled out, in units of the coordinate.
+    pub(crate) reach: [f64; 2],
 }
 
 impl<const N: usize> Basis<N> {
@@ -118,7 +118,7 @@ impl<const N: usize> Basis<N> {
             cells,
             buckets,
             bucket_scale: count as f64 / range,
-            guard: [0.25 * range; 2],
+            reach: [range; 2],
         }
     }
 
@@ -215,7 +215,7 @@ impl<const N: usize> Basis<N> {
             (self.inside_of(lanes, self.wrapped(x), order), false)
         } else {
             let outside = is_beyond([self.low, self.high], x);
-            (self.beyond(x, self.guard), outside)
+            (self.beyond(x, self.reach), outside)
         }
     }
 
@@ -227,10 +227,10 @@ impl<const N: usize> Basis<N> {
         x - ((x - self.low) / period).floor() * period
     }
 
-    /// Weights at the ends and outside, linear as far as `guard` beyond the lower and the upper end.
+    /// Weights at the ends and outside, levelled out at `reach` beyond the lower and the upper end.
     #[cold]
     #[inline(never)]
-    fn beyond(&self, x: f64, guard: [f64; 2]) -> Weights<N> {
+    fn beyond(&self, x: f64, reach: [f64; 2]) -> Weights<N> {
         let edge = x.clamp(self.low, self.high);
         let d = x - edge;
         let mut w = self.inside(edge);
@@ -245,7 +245,7 @@ impl<const N: usize> Basis<N> {
             }
             return w;
         }
-        let [g, g1, g2] = levelled(d, guard[usize::from(d > 0.0)]);
+        let [g, g1, g2] = levelled(d, reach[usize::from(d > 0.0)]);
         for k in 0..N {
             w.value[k] += g * w.slope[k];
             w.curvature[k] = g2 * w.slope[k];
@@ -254,41 +254,37 @@ impl<const N: usize> Basis<N> {
         w
     }
 
-    /// Row that takes coefficients to where the continuation beyond the lower (0) or upper (1) `end` of a
-    /// bounded axis has levelled out.
-    pub fn far_end(&self, end: usize) -> Vec<f64> {
-        let (edge, sign) = [(self.low, -1.0), (self.high, 1.0)][end];
-        let w = self.inside(edge);
-        let mut row = vec![0.0; self.stored()];
-        for k in 0..N {
-            row[w.first + k] = w.value[k] + sign * 2.0 * self.guard[end] * w.slope[k];
-        }
-        row
+    /// Length of the range.
+    pub fn range(&self) -> f64 {
+        self.high - self.low
     }
 
-    /// Weights continued linearly however far outside `x` is (bounded axes).
+    /// Slope outwards at the lower (0) or upper (1) `end` of a bounded axis that is there, over what the last coefficient is larger
+    /// than its neighbour: these two alone make it (de Boor, X).
+    pub fn steepness(&self, end: usize) -> f64 {
+        let cell = [self.cells.first(), self.cells.last()][end];
+        cell.map_or(0.0, |cell| (N - 1) as f64 * cell.scale)
+    }
+
+    /// Weights continued `reach` far outside (bounded axes).
     #[cold]
     #[inline(never)]
-    pub fn linear(&self, x: f64) -> Weights<N> {
+    pub fn reaching(&self, x: f64, reach: [f64; 2]) -> Weights<N> {
         match self.ends {
-            Ends::Bounded if self.present() => self.beyond(x, [f64::INFINITY; 2]),
+            Ends::Bounded if self.present() => self.beyond(x, reach),
             _ => self.weights(Lanes::COMMON, x, 2).0,
         }
     }
 }
 
-/// The way `d` beyond an end as the continuation takes it, and its two derivatives: `d` itself up to the guard distance, then
-/// a parabola into a constant two guards out. Stiffness and force thus continue linearly, but never through zero.
-fn levelled(d: f64, guard: f64) -> [f64; 3] {
-    let (over, sign) = (d.abs() - guard, d.signum());
-    if over <= 0.0 {
-        return [d, 1.0, 0.0];
+/// The way `d` beyond an end as the continuation takes it, and its two derivatives: its slope falls evenly from one to zero at
+/// `reach`, where it stays half of that. Without a limit it is `d` itself.
+fn levelled(d: f64, reach: f64) -> [f64; 3] {
+    let (part, sign) = (d.abs() / reach, d.signum());
+    if part >= 1.0 {
+        return [0.5 * reach * sign, 0.0, 0.0];
     }
-    if over >= 2.0 * guard {
-        return [2.0 * guard * sign, 0.0, 0.0];
-    }
-    let g = d.abs() - over * over / (4.0 * guard);
-    [g * sign, 1.0 - over / (2.0 * guard), -sign / (2.0 * guard)]
+    [d * (1.0 - 0.5 * part), 1.0 - part, -sign / reach]
 }
 
 /// The N functions that live on the cell from `knots[m]` to `knots[m + 1]` as polynomials of the

@@ -207,6 +207,8 @@ pub struct Frame<const N: usize> {
     pub p: Basis<N>,
     pub no_load: Coefficients<N>,
     pub span: Coefficients<N>,
+    /// How far the span goes on beyond the ends of `c` and `m`; the shape goes as far as these say themselves.
+    pub span_reach: [[f64; 2]; 2],
 }
 
 pub struct Framed<const N: usize> {
@@ -251,9 +253,10 @@ impl<const N: usize> Frame<N> {
         let weights = Point { c, m, p };
         let outside = c_outside || m_outside;
         let mut no_load = self.no_load.field::<H, AXES>(lanes, &weights);
-        let span = self.span.field::<H, AXES>(lanes, &weights);
+        let mut span = self.span.field::<H, AXES>(lanes, &weights);
         if outside {
-            no_load = self.begins(q, p);
+            no_load = self.beyond(&self.no_load, q, p, [[f64::INFINITY; 2]; 2]);
+            span = self.beyond(&self.span, q, p, self.span_reach);
         }
         Framed {
             u: (q.delta - no_load.value) / span.value,
@@ -269,14 +272,19 @@ impl<const N: usize> Frame<N> {
         self.at::<false, ANY>(Lanes::COMMON, q).u
     }
 
-    /// The approach at which contact begins outside the range: it follows the coordinate however far that goes; only
-    /// stiffness levels out.
+    /// `field` outside the range, where it goes on as far as `reach` says.
     #[cold]
     #[inline(never)]
-    fn begins(&self, q: &Query, p: Weights<N>) -> Jet {
-        let c = self.c.linear(q.center_distance_offset);
-        let m = self.m.linear(q.misalignment);
-        (self.no_load).field::<true, ANY>(Lanes::COMMON, &Point { c, m, p })
+    fn beyond(
+        &self,
+        field: &Coefficients<N>,
+        q: &Query,
+        p: Weights<N>,
+        reach: [[f64; 2]; 2],
+    ) -> Jet {
+        let c = self.c.reaching(q.center_distance_offset, reach[0]);
+        let m = self.m.reaching(q.misalignment, reach[1]);
+        field.field::<true, ANY>(Lanes::COMMON, &Point { c, m, p })
     }
 }
 

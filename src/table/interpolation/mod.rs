@@ -103,9 +103,10 @@ impl FlankTable {
     /// The potential at `query`, with first derivatives and the tangent stiffness `hessian[0][0]`; the
     /// other second derivatives only if `want_hessian`. Exactly zero out of contact.
     ///
-    /// Outside the range of an axis the force goes on linearly with a continuous slope, and
-    /// `out_of_range` is set. Beyond a quarter of the range of C or M (less where that would make a stiffness
-    /// negative) the stiffness levels out, never with a kink; the onset of contact goes on linearly.
+    /// Outside the range of an axis loads go on with continuous slopes, and `out_of_range` is set. Beyond the largest displacement
+    /// the force is linear. Beyond an end of C or M the onset of contact is linear, and the slopes of stiffness and of the moment
+    /// under a force fall to zero: far out the resultant is where the teeth touch first, and the force never decreases over
+    /// the displacement.
     ///
     /// A NaN in the query gives NaN or zero, never a panic.
     #[inline]

@@ -64,7 +64,7 @@ impl Shepard {
         let columns = grid.no_load_approach.len();
         let force = fit.along(2, &grid.block(&grid.loa_force));
         let force = force.mapped(2, stored, |mut line| {
-            make_increasing(&mut line[3..], &vec![0.0; stored - 3]);
+            make_increasing(&mut line[3..]);
             for (mean, force) in mean_force.iter_mut().zip(&line) {
                 *mean += force / columns as f64;
             }

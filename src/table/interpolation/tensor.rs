@@ -5,9 +5,10 @@
 //! those are non-negative and add up to one. Its integral over u is a B-spline one degree higher; only that one is stored, and
 //! force, shuttling and the other gradients are its derivatives.
 //!
-//! Beyond an end of C or M every coefficient goes on with its slope there and levels out at twice the guard distance
-//! ([`Basis::guard`]): the force has a continuous slope and its stiffness, far out, a constant value. A guard is as long as the span
-//! keeps at least half of its least value and no force decreases over the displacement.
+//! Beyond an end of C or M the onset of contact goes on linearly, and span and shape with a slope that falls evenly to zero, so
+//! that loads and their slopes are continuous and far out the resultant is where the teeth touch first. Teeth that touch over a part
+//! of the face only set the pace: along a wedge the span grows with the root of the misalignment. The fit
+//! sees to it that no force decreases over the displacement there ([`keep_increasing_beyond`]); a span that falls levels out sooner.
 
 use super::basis::{Basis, Ends};
 use super::fit::{Others, axis, breaks, integrated, make_increasing};
@@ -50,14 +51,18 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         let degree = NF - 1;
         let nodes = &grid.axes.displacement_fraction;
         let (_, along_u) = axis::<NF>(nodes, Ends::Onset, Axis::Displacement.name())?;
-        let others = Others::<N>::new(grid.axes.nodes())?;
+        let mut others = Others::<N>::new(grid.axes.nodes())?;
+        // Those of centre distance and misalignment.
+        for basis in &mut others.bases[..2] {
+            basis.reach = [SHAPE_REACH * basis.range(); 2];
+        }
         let along_all = |samples: &[f64]| others.fit(&grid.block(samples), Some(&along_u));
         let force = along_all(&grid.loa_force);
-        let least = least_increments(&force, degree);
         let force = force.mapped(2, force.lengths[2], |mut line| {
-            make_increasing(&mut line[degree..], &least);
+            make_increasing(&mut line[degree..]);
             line
         });
+        let force = keep_increasing_beyond(&others.bases, &force);
         let own_moment = (grid.moment.as_ref()).filter(|_| grid.axes.misalignment.len() == 1);
         let [no_load, span] = grid.fields().map(|field| others.fit(&field, None));
         let parts = Parts {
@@ -71,12 +76,12 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         Self::assembled(others.bases, parts)
     }
 
-    fn assembled([mut c, mut m, p]: [Basis<N>; 3], parts: Parts<'_>) -> Result<Self, TableError> {
+    fn assembled([c, m, p]: [Basis<N>; 3], parts: Parts<'_>) -> Result<Self, TableError> {
         let integral = |block: &Block| {
             let integral = |line: Vec<f64>| integrated(&line, parts.u_breaks, NU - 2);
             Coefficients::new(&block.mapped(2, block.lengths[2] + 1, integral))
         };
-        limit_guards(&mut c, &mut m, &parts.span, &parts.force)?;
+        let span_reach = span_reach([&c, &m], &parts.span)?;
         let values = parts.no_load.values.iter();
         let largest = values.clone().fold(0.0, |l: f64, v| l.max(v.abs()));
         let least = values.copied().fold(f64::INFINITY, f64::min);
@@ -92,6 +97,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
                 p,
                 no_load: Coefficients::new(&parts.no_load),
                 span: Coefficients::new(&parts.span),
+                span_reach,
             },
             top: parts.top,
         })
@@ -215,76 +221,113 @@ impl<const N: usize> Tensor<3, N> {
     }
 }
 
-/// Least increments of the force from one coefficient over u to the next: a hundredth of the mean ones. Without,
-/// coefficients that are equal over a stretch would leave no room for a continuation beyond the ends of C and M
-/// that has a continuous slope and does not fall over u.
-fn least_increments(force: &Block, degree: usize) -> Vec<f64> {
-    let (n, stride) = (force.lengths[2], force.stride(2));
-    let lines = force.values.len() / n;
-    let mean = |r: usize| {
-        let values = (force.lines(2)).map(|start| force.values[start + r * stride]);
-        values.sum::<f64>() / lines as f64
-    };
-    let increment = |r: usize| {
-        let before = if r == degree { 0.0 } else { mean(r - 1) };
-        0.01 * (mean(r) - before).max(0.0)
-    };
-    (degree..n).map(increment).collect()
+/// How far beyond an end of C or M the shape and the span have levelled out, in ranges of the axis. Measured against contact solves
+/// at up to half the largest misalignment beyond it, where the resultant moves on as far as the face lasts.
+const SHAPE_REACH: f64 = 0.5;
+const SPAN_REACH: f64 = 1.25;
+
+/// An end of a bounded axis: its last coefficient, the one before, and how many times their difference the continuation adds
+/// to the last one until it has levelled out.
+struct End {
+    last: usize,
+    before: usize,
+    gain: f64,
 }
 
-/// A guard halved this often is shorter than any coordinate can tell: never reached, since spans are positive
-/// and forces increase strictly within the range ([`make_increasing`]).
-const HALVINGS: usize = 50;
-
-/// Shortens the guards of `c` and `m`, each end by itself, until `span` and the coefficients `force` over u stay legal beyond
-/// each end of each axis and beyond both at once.
-fn limit_guards<const N: usize>(
-    c: &mut Basis<N>,
-    m: &mut Basis<N>,
-    span: &Block,
-    force: &Block,
-) -> Result<(), TableError> {
-    let least = span.values.iter().copied().fold(f64::INFINITY, f64::min);
-    if least <= 0.0 {
-        return Err(TableError::TooCoarse { least_m: least });
-    }
-    // Where the axes 0 and 1 have levelled out beyond the ends given.
-    let is_legal = |axes: [&Basis<N>; 2], ends: [Option<usize>; 2]| {
-        let far_out = |block: &Block| {
-            let mut block = block.clone();
-            for (axis, (basis, end)) in axes.into_iter().zip(ends).enumerate() {
-                if let Some(row) = end.map(|end| basis.far_end(end)) {
-                    let far = |line: Vec<f64>| row.iter().zip(line).map(|(w, x)| w * x).sum();
-                    block = block.mapped(axis, 1, |line| vec![far(line)]);
-                }
-            }
-            block
-        };
-        let force = far_out(force);
-        let increases = |start: usize| {
-            let line = force.values[start..].iter().step_by(force.stride(2));
-            line.take(force.lengths[2]).is_sorted()
-        };
-        far_out(span).values.iter().all(|&v| v >= 0.5 * least) && force.lines(2).all(increases)
+fn ends<const N: usize>(basis: &Basis<N>, n: usize) -> Vec<End> {
+    let end = |end: usize, last, before| End {
+        last,
+        before,
+        gain: 0.5 * basis.reach[end] * basis.steepness(end),
     };
-    // What is linear in either coordinate is extreme at the corners: legal there, legal between.
-    let (low, high) = (Some(0), Some(1));
-    let beyond_one = [[low, None], [None, low], [high, None], [None, high]];
-    let beyond_both = [[low, low], [low, high], [high, low], [high, high]];
-    for ends in beyond_one.into_iter().chain(beyond_both) {
-        if ends[0].is_some() && !c.present() || ends[1].is_some() && !m.present() {
-            continue;
-        }
-        for _ in 0..HALVINGS {
-            if is_legal([c, m], ends) {
-                break;
-            }
-            for (basis, end) in [&mut *c, &mut *m].into_iter().zip(ends) {
-                if let Some(end) = end {
-                    basis.guard[end] *= 0.5;
-                }
+    match basis.present() {
+        true => vec![end(0, 0, 1), end(1, n - 1, n - 2)],
+        false => Vec::new(),
+    }
+}
+
+/// The coefficients `force` over u, none of which is less than the one before, so changed that this holds beyond the ends of C and M,
+/// too. An increment over u stays positive there if the last but one along the axis is no more than so many times the last one: it
+/// is lowered to that. Beyond both axes the increment next to the corner counts, too: it is raised as far as it has to be, which
+/// is never more than both ends allow.
+fn keep_increasing_beyond<const N: usize>(bases: &[Basis<N>; 3], force: &Block) -> Block {
+    let n = force.lengths[2];
+    let mut increments = force.mapped(2, n, |line| {
+        let before = std::iter::once(&0.0).chain(&line);
+        line.iter()
+            .zip(before)
+            .map(|(f, before)| f - before)
+            .collect()
+    });
+    let [along_c, along_m] = [0, 1].map(|axis| ends(&bases[axis], force.lengths[axis]));
+    let [by_c, by_m] = [0, 1].map(|axis| force.stride(axis));
+    for (axis, ends) in [(1, &along_m), (0, &along_c)] {
+        let stride = increments.stride(axis);
+        for line in increments.lines(axis) {
+            for end in ends {
+                let most = increments.values[line + end.last * stride] * (1.0 + 1.0 / end.gain);
+                let before = &mut increments.values[line + end.before * stride];
+                *before = before.min(most);
             }
         }
     }
-    Ok(())
+    for (c, m) in along_c
+        .iter()
+        .flat_map(|c| along_m.iter().map(move |m| (c, m)))
+    {
+        for line in 0..by_m {
+            let at = |i: usize, k: usize| line + i * by_c + k * by_m;
+            let [corner, along_c, along_m] =
+                [(c.last, m.last), (c.before, m.last), (c.last, m.before)]
+                    .map(|(i, k)| increments.values[at(i, k)]);
+            let [more_c, more_m] = [c, m].map(|end| 1.0 + 1.0 / end.gain);
+            let least = more_m * along_c + more_c * along_m - more_c * more_m * corner;
+            let before = &mut increments.values[at(c.before, m.before)];
+            *before = before.max(least);
+        }
+    }
+    increments.mapped(2, n, |line| {
+        let sum = line.iter().scan(0.0, |sum, step| {
+            *sum += step;
+            Some(*sum)
+        });
+        sum.collect()
+    })
+}
+
+/// How far `span` goes on beyond the ends of C and M: [`SPAN_REACH`], and where it falls outwards as far as half of it is left.
+fn span_reach<const N: usize>(
+    bases: [&Basis<N>; 2],
+    span: &Block,
+) -> Result<[[f64; 2]; 2], TableError> {
+    let least_m = span.values.iter().copied().fold(f64::INFINITY, f64::min);
+    if least_m <= 0.0 {
+        return Err(TableError::TooCoarse { least_m });
+    }
+    let mut rows = span.clone();
+    let mut reaches = [[f64::INFINITY; 2]; 2];
+    for axis in [1, 0].into_iter().filter(|&axis| bases[axis].present()) {
+        let (n, stride) = (rows.lengths[axis], rows.stride(axis));
+        let steepness = [0, 1].map(|end| bases[axis].steepness(end));
+        let places = [[0, 1], [n - 1, n - 2]];
+        let reach = [0, 1].map(|end| {
+            let longest = rows.lines(axis).map(|line| {
+                let [last, before] = places[end].map(|k| rows.values[line + k * stride]);
+                last / (steepness[end] * (before - last).max(0.0))
+            });
+            longest.fold(SPAN_REACH * bases[axis].range(), f64::min)
+        });
+        // What the other axis starts from where this one has been left.
+        rows = rows.mapped(axis, n + 2, |mut line| {
+            let [low, high] = [0, 1].map(|end| {
+                let [last, before] = places[end].map(|k| line[k]);
+                last + 0.5 * reach[end] * steepness[end] * (last - before)
+            });
+            line.insert(0, low);
+            line.push(high);
+            line
+        });
+        reaches[axis] = reach;
+    }
+    Ok(reaches)
 }

@@ -164,6 +164,75 @@ fn force_and_side_terms_have_continuous_slopes_across_the_ends_whatever_the_samp
     }
 }
 
+/// Springs side by side along a face, W = int k (delta + M z - r z²)₊² / 2 dz: load on a part of a crowned face (Winkler's
+/// foundation).
+struct Foundation;
+
+impl Foundation {
+    const HALF_FACE: f64 = 10e-3;
+    const LARGEST_TILT: f64 = 1e-3;
+    const SLICES: i32 = 400;
+
+    /// Force and moment.
+    fn loads(delta: f64, m: f64) -> [f64; 2] {
+        let width = 2.0 * Self::HALF_FACE / f64::from(Self::SLICES);
+        (0..Self::SLICES).fold([0.0; 2], |[force, moment], i| {
+            let z = (f64::from(i) + 0.5) * width - Self::HALF_FACE;
+            let load = 1e10 * (delta + m * z - 0.02 * z * z).max(0.0) * width;
+            [force + load, moment + load * z]
+        })
+    }
+
+    fn approach(force: f64, m: f64) -> f64 {
+        bisection([-1e-4, 1e-4], 60, |delta| Self::loads(delta, m)[0] < force)
+    }
+
+    fn grid(top: f64) -> FlankGrid {
+        let mut grid = Spring::grid([12, 1, 17, 1]);
+        let tilts = (0..17).map(|i| Self::LARGEST_TILT * (f64::from(i) / 8.0 - 1.0));
+        grid.axes.misalignment = tilts.collect();
+        grid.loa_force.clear();
+        for (i, &m) in grid.axes.misalignment.iter().enumerate() {
+            let [low, high] = [1e-6 * top, top].map(|force| Self::approach(force, m));
+            grid.no_load_approach[i] = low;
+            grid.top_load_approach[i] = high;
+            let approaches =
+                (grid.axes.displacement_fraction.iter()).map(|u| low + u * (high - low));
+            grid.loa_force
+                .extend(approaches.map(|delta| Self::loads(delta, m)[0]));
+        }
+        grid.moment = None;
+        grid
+    }
+}
+
+#[test]
+fn beyond_the_misalignments_the_moment_under_a_force_follows_a_face_that_bears_in_part() {
+    let top = 500.0;
+    let table = FlankTable::new(&Foundation::grid(top), Interpolation::Spline).unwrap();
+    for force in [0.02, 0.1, 0.4, 1.0].map(|part| part * top) {
+        for side in [-1.0, 1.0] {
+            let mut last = None;
+            for part in [0.9999, 1.0001, 1.1, 1.2, 1.5, 3.0] {
+                let m = side * part * Foundation::LARGEST_TILT;
+                let pose = Query::from([0.0, 0.0, m, 0.0]);
+                let delta = table.approach_at(force, &pose);
+                let found = table.evaluate(&Query { delta, ..pose }, false).gradient[2];
+                let exact = Foundation::loads(Foundation::approach(force, m), m)[1];
+                let largest = force * Foundation::HALF_FACE;
+                let named = format!("{force} N, {part}: {found} for {exact} of {largest} N m");
+                assert!((found - exact).abs() < 0.1 * largest, "{named}");
+                assert!(found.abs() < 1.05 * largest, "{named}");
+                if part == 1.0001 {
+                    let last: f64 = last.unwrap_or(f64::NAN);
+                    assert!((found - last).abs() < 1e-3 * largest, "{named}");
+                }
+                last = Some(found);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_secant_stays_positive_however_far_the_axes_are_left() {
     let mut grid = Spring::grid([10, 5, 7, 8]);

@@ -221,7 +221,9 @@ fn beyond_the_misalignments_the_moment_under_a_force_follows_a_face_that_bears_i
                 let exact = Foundation::loads(Foundation::approach(force, m), m)[1];
                 let largest = force * Foundation::HALF_FACE;
                 let named = format!("{force} N, {part}: {found} for {exact} of {largest} N m");
-                assert!((found - exact).abs() < 0.1 * largest, "{named}");
+                // Farther out it is at the end of the face, sooner than the springs.
+                let allowed = if part > 2.0 { 0.2 } else { 0.1 };
+                assert!((found - exact).abs() < allowed * largest, "{named}");
                 assert!(found.abs() < 1.05 * largest, "{named}");
                 if part == 1.0001 {
                     let last: f64 = last.unwrap_or(f64::NAN);

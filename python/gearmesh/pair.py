@@ -113,9 +113,7 @@ class GearPair:
         self._free = weakref.finalize(self, _free, instance, self._component, self._lock, callbacks, logger, unpacked)
         self._bind()
         try:
-            # The caller of `step` takes the loads for the step from the poses that it handed over.
-            own = {"coupling": "sequential"} if self._parameters.get("coupling") == "parallel" else {}
-            for name, value in (own | dict(parameters or {})).items():
+            for name, value in (parameters or {}).items():
                 self.set_parameter(name, value)
         except BaseException:
             self.close()
@@ -203,8 +201,8 @@ class GearPair:
     def step(self, size: float) -> None:
         """Hands over `u`, makes one communication step of `size` seconds and fetches `y`.
 
-        The loads in `y` are constant ones for this step, for the motion that starts from `u` (`coupling` = sequential), the
-        other outputs belong to `u`. With `coupling` = held the loads do, too: for poses along a given motion.
+        The loads in `y` are constant ones for a step, as `coupling` says; with `automatic`, as packed, for the one in which the caller
+        lets them act. The other outputs belong to `u`. With `coupling` = held, or along a given motion, the loads do, too.
         """
         self._call("fmi2SetReal", *self._inputs)
         try:

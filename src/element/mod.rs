@@ -39,6 +39,7 @@ mod friction;
 mod jacobian;
 mod kinematics;
 mod law;
+mod master;
 mod motion;
 mod paper;
 mod parameters;
@@ -52,7 +53,7 @@ pub use jacobian::{BODY_COLUMNS, Direction, Jacobian};
 pub use law::{Elasticity, Workspace};
 pub use motion::{CONTINUOUS_OUTPUTS, ElementError, Inputs, Motion, Outputs, PhaseOffset};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
-pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
+pub use prediction::{Coupling, History, Loads, Mode, Prediction, Report, StepRequest};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -1,16 +1,16 @@
 //! Constant loads for a communication step, for masters that hold the loads while the bodies move.
 //!
-//! The effective mass m of both gears along the line of action turns the element's own force F into the acceleration F/m. Two
-//! communication points tell the mean acceleration of approach; what it has beyond -F/m comes from everything else
-//! and is taken to stay as it is over the coming steps:
+//! [`Master`] tells from the motion in which step the loads act, how the master moves its bodies under them (theta), and what the step
+//! to come holds beside the mesh. The bodies go on with their velocities otherwise. For theta = 1 the plain law at the start of the step in which the
+//! loads act is right, for theta = 0 that at its end: with q = x + (1 - theta) H v either is the symplectic Euler rule, stable to
+//! omega H = 2 and without damping. For theta = 1/2 the motion under the changing force is integrated over the step,
 //!
 //! ```text
-//! a = (v_n - v_(n-1)) / H + F_(n-1) / m,      x'' = a - F(x, x', t) / m
+//! x'' = e - w F(x, x', t)
 //! ```
 //!
-//! with x the approach of the loaded flank, signed as the turn of gear 1, v its rate and F_(n-1) the force over the last
-//! step. The bodies go on with their velocities otherwise. The element returns the constant wrench that moves the bodies over the step in
-//! which it acts as the changing one would (the idea of the interface models of Peiret, Gonzalez, Kovecses and Teichmann, Multibody System
+//! with x the approach of the loaded flank, signed as the turn of gear 1, and the element returns the constant wrench that moves the bodies
+//! as the changing one would (the idea of the interface models of Peiret, Gonzalez, Kovecses and Teichmann, Multibody System
 //! Dynamics 46 (2019) 261-281, with the law itself in place of its linearisation).
 
 use nalgebra::Rotation3;
@@ -20,6 +20,7 @@ use super::Element;
 use super::constants::FLANKS;
 use super::contact::{Mesh, Solution};
 use super::law::Workspace;
+use super::master::{Lag, Master, Outlook};
 use super::motion::{ElementError, Inputs, Motion, Outputs, PhaseOffset};
 
 /// In which step a master lets the loads act that it reads after a step.
@@ -31,6 +32,18 @@ pub enum Coupling {
     Sequential,
     /// In the step after that one.
     Parallel,
+    /// Found from the motion; held until then.
+    Automatic,
+}
+
+impl Coupling {
+    fn lag(self) -> Option<Lag> {
+        match self {
+            Self::Held | Self::Automatic => None,
+            Self::Sequential => Some(Lag::None),
+            Self::Parallel => Some(Lag::One),
+        }
+    }
 }
 
 /// What is asked of a prediction.
@@ -38,45 +51,57 @@ pub enum Coupling {
 pub struct StepRequest {
     /// When the loads act.
     pub coupling: Coupling,
-    /// Length of the step, s, > 0; that in which the loads act is taken to be as long.
+    /// Length of the step, s, > 0.
     pub length: f64,
-    /// Least effective mass along the line of action, kg; 0: not known, the bodies go on with their velocities.
+    /// Least effective mass along the line of action, kg; 0: not known.
     pub effective_mass: f64,
 }
 
-/// What the prediction remembers of one communication step.
+/// What the prediction remembers of the steps so far.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    /// Turn part of the penetration and half the gap at the start of the step, m.
+pub struct History {
+    /// Turn part of the penetration and half the gap at the start of the last step, m.
     position: [f64; 2],
     /// Their rates, m/s.
     rate: [f64; 2],
     /// Flank that the approach refers to: +1 drive, -1 coast.
     sign: f64,
-    /// s.
-    pub length: f64,
-    /// Forces along the turn that act in the step, in the one after it as far as it is known, and in the one before it, N,
-    /// positive from the drive flank.
-    force: f64,
-    next: f64,
-    before: f64,
-    /// Mean rate of change of the approach's rate in the step before it, m/s²; `None`: no step before, or none of the same motion.
-    acceleration: Option<f64>,
-    /// By how much that force and that acceleration differ from those one step earlier, N, m/s².
-    change: Option<[f64; 2]>,
-    sums: Sums,
+    /// Of the last step, s.
+    length: f64,
+    master: Master,
+    /// Acceleration of the approach over the last step as it was foreseen, m/s².
+    foreseen: Option<f64>,
+    /// How the loads of the last step were made, and what was known then.
+    pub report: Report,
 }
 
-/// What the steps showed of the mass: sums of products of second differences, of which the last count most. (First differences of a
-/// load that rises slowly look like those of an infinite mass.)
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-struct Sums {
-    /// The force that was taken to act, squared, N², and times the acceleration that it brought, N m/s².
-    ours: [f64; 2],
-    /// The same for the force of the step after: that of a sequential master where a parallel one was expected.
-    other: [f64; 2],
-    /// The acceleration squared, m²/s⁴.
-    acceleration: f64,
+/// How the loads of a step were made.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// How.
+    pub mode: Mode,
+    /// Effective mass along the line of action, kg; found from the motion, or the given one.
+    pub effective_mass: f64,
+    /// By how much the mean force on the line of action that the last step shows exceeds the foreseen one, N.
+    pub error: f64,
+    /// Of the master's rule, and the angle omega H of the mesh's own oscillation over the step, rad; 0 where loads are held.
+    pub theta: f64,
+    /// See there.
+    pub angle: f64,
+}
+
+/// How loads of a step are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Mode {
+    /// Those at the communication point: the master is not known, or the motion does not follow the loads.
+    #[default]
+    Held,
+    /// Those at the communication point: the step is too long for the mesh's oscillation.
+    TooLong,
+    /// For the step that starts at the communication point.
+    Sequential,
+    /// For the step after it.
+    Parallel,
 }
 
 /// Contact loads, of a moment or constant over a step: the outputs of [`Loads::ROWS`].
@@ -91,9 +116,7 @@ pub struct Prediction {
     /// For the step in which they act.
     pub loads: Loads,
     /// For the next prediction; `None`: the gears are out of reach of one another.
-    pub step: Option<Step>,
-    /// Whether the master, taken for a parallel one, lets the loads act in the step just asked for.
-    pub seems_sequential: bool,
+    pub history: Option<History>,
 }
 
 /// Angle omega H of the mesh's own oscillation over a step, from which on the loads are those at the communication point: beyond it no
@@ -109,19 +132,37 @@ const EQUIVALENT: [f64; 4] = [-1.0 / 6.0, 2.0 / 3.0, 2.0 / 3.0, -1.0 / 6.0];
 /// The same for the mean: where teeth part or meet the load has no second derivative, and would come out negative.
 const MEAN: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
-/// Weight of what the step before showed of the mass.
-const MEMORY: f64 = 0.98;
-
-/// Changes of the force from step to step, over the nominal one, below which they show nothing of the mass.
-const NOISE: f64 = 1e-3;
-
 /// Poses and velocities of one body that agree better than this, m, are of one motion.
 const AGREEMENT: f64 = 1e-9;
 
+/// Values of theta from which on a master's rule counts as the explicit Euler rule, exact, or the symplectic Euler rule.
+const RULES: [f64; 2] = [0.25, 0.75];
+
+/// Way, over the accelerations times H², by which poses that follow from the velocities may depart from their mean.
+const DEPARTURE: f64 = 2.0;
+
+/// Accelerations above it, m/s², are no motion of gears.
+const MOST_ACCELERATION: f64 = 1e12;
+
+/// Mobility over the given one below which it says nothing of a mass.
+const LEAST_MOBILITY: f64 = 1e-6;
+
+/// Mobility that stands for one that is not known, 1/kg.
+const UNKNOWN: f64 = 1.0;
+
+/// Where the step begins in which the loads act, beside the drift with the present velocities: after `time` s, by a displacement, m,
+/// and a rate, m/s, under the accelerations of `outlook`, over `length` s.
+struct Acting {
+    time: f64,
+    displaced: [f64; 2],
+    outlook: Outlook,
+    length: f64,
+}
+
 impl Element {
-    /// Loads for the step of `request`, from the communication point with `inputs`, `last` being the step that ended there.
-    /// The first step, one whose poses and velocities do not follow from the last, and one too long for the mesh's
-    /// oscillation get the loads at the communication point.
+    /// Loads for the step of `request`, from the communication point with `inputs`, `last` being what the steps before it left.
+    /// The first step, one whose poses and velocities do not follow from the last, one too long for the mesh's
+    /// oscillation and all until the master is known get the loads at the communication point.
     ///
     /// # Errors
     /// As [`Element::evaluate`], at the communication point.
@@ -129,7 +170,7 @@ impl Element {
         &self,
         phase: &PhaseOffset,
         inputs: &Inputs,
-        last: Option<&Step>,
+        last: Option<&History>,
         request: &StepRequest,
         workspace: &mut Workspace,
     ) -> Result<Prediction, ElementError> {
@@ -139,15 +180,79 @@ impl Element {
         let mut prediction = Prediction {
             outputs,
             loads: Loads::at(&outputs),
-            step: None,
-            seems_sequential: false,
+            history: None,
         };
         let Some(mesh) = &solution.mesh else {
             return Ok(prediction);
         };
         let force = mesh.force_along_turn();
+        let mobility = match request.effective_mass {
+            0.0 => UNKNOWN,
+            mass => mass.recip(),
+        };
+        let mut history = self.observe(mesh, &outputs, last, request, mobility);
+        let now = (prediction.loads, force);
+        let mut given = force;
+        let starts = history.master.steps() == 0;
+        if let Some(lag) = (history.master.lag).filter(|_| !starts || request.effective_mass == 0.0)
+        {
+            let (found, next, length) = match starts {
+                true => lag.drift(request.length),
+                false => history.master.ahead(lag, request.length, mobility),
+            };
+            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
+            let report = &mut history.report;
+            if found.mobility[0] > LEAST_MOBILITY * mobility {
+                report.effective_mass = found.mobility[0].recip();
+            }
+            report.angle = request.length * (stiffness * found.mobility[0].max(0.0)).sqrt();
+            report.theta = found.theta();
+            let acting = match next {
+                None => Acting {
+                    time: 0.0,
+                    displaced: [0.0; 2],
+                    outlook: found,
+                    length,
+                },
+                Some([a, d]) => Acting {
+                    time: request.length,
+                    displaced: [d * request.length.powi(2), a * request.length],
+                    outlook: found,
+                    length,
+                },
+            };
+            if history.report.angle > LONGEST_STEP {
+                history.report.mode = Mode::TooLong;
+            } else if let Some((loads, force)) =
+                self.step_loads(phase, inputs, now, &acting, workspace)
+            {
+                (prediction.loads, given) = (loads, force);
+                history.report.mode = match lag {
+                    Lag::None => Mode::Sequential,
+                    Lag::One => Mode::Parallel,
+                };
+                history.foreseen = Some(match next {
+                    None => found.under(force)[0],
+                    Some([a, _]) => a,
+                });
+            }
+        }
+        history.master.give(given);
+        prediction.history = Some(history);
+        Ok(prediction)
+    }
+
+    /// The history with the step that ended here.
+    fn observe(
+        &self,
+        mesh: &Mesh<f64>,
+        outputs: &Outputs,
+        last: Option<&History>,
+        request: &StepRequest,
+        mobility: f64,
+    ) -> History {
         let [drive, coast] = mesh.flanks.each_ref().map(|flank| flank.penetration);
-        let mut step = Step {
+        let mut history = History {
             position: [0.5 * (drive - coast), -0.5 * (drive + coast)],
             rate: [mesh.rates.turn, mesh.rates.half_gap],
             sign: match outputs.flank {
@@ -155,84 +260,84 @@ impl Element {
                 flank => f64::from(flank),
             },
             length: request.length,
-            force: match (request.coupling, last) {
-                (Coupling::Parallel, Some(last)) => last.next,
-                _ => force,
+            master: last.map_or_else(
+                || Master::new(request.coupling.lag(), mesh.force_along_turn()),
+                |last| last.master,
+            ),
+            foreseen: None,
+            report: Report {
+                mode: Mode::Held,
+                effective_mass: request.effective_mass,
+                error: 0.0,
+                theta: 0.0,
+                angle: 0.0,
             },
-            next: force,
-            before: 0.0,
-            acceleration: None,
-            change: None,
-            sums: Sums::default(),
         };
         if let Some(last) = last {
-            step.follow(last);
-        }
-        let now = (prediction.loads, force);
-        if let Some((loads, acting)) =
-            self.step_loads(phase, inputs, now, &step, request, workspace)
-        {
-            prediction.loads = loads;
-            step.next = acting;
-            if request.coupling == Coupling::Sequential {
-                step.force = acting;
+            let h = last.length;
+            let approach = |x: &[f64; 2]| x[0] - history.sign * x[1];
+            let [x0, x1] = [approach(&last.position), approach(&history.position)];
+            let [v0, v1] = [approach(&last.rate), approach(&history.rate)];
+            let acceleration = (v1 - v0) / h;
+            let mean = 0.5 * (v0 + v1) * h;
+            let nominal = self.constants.nominal_force;
+            // Bodies on stiff shafts accelerate to and fro within a step.
+            let most = acceleration.abs() + mobility * mesh.force_along_turn().abs().max(nominal);
+            let tolerance = DEPARTURE * most * h.powi(2) + AGREEMENT;
+            let follows =
+                (x1 - x0 - mean).abs() <= tolerance && acceleration.abs() < MOST_ACCELERATION;
+            if !follows {
+                history.master.interrupt();
+            } else {
+                let displacement = (x1 - x0 - v0 * h) / h.powi(2);
+                history
+                    .master
+                    .observe([acceleration, displacement], h, mobility, nominal);
+                if let Some(foreseen) = last.foreseen {
+                    history.report.error = (acceleration - foreseen) * last.report.effective_mass;
+                }
             }
         }
-        prediction.step = Some(step);
-        prediction.seems_sequential =
-            request.coupling == Coupling::Parallel && step.sums.look_sequential(self.noise());
-        Ok(prediction)
+        history
     }
 
-    /// Square of a change of the force that shows nothing of the mass, N².
-    fn noise(&self) -> f64 {
-        (NOISE * self.constants.nominal_force).powi(2)
-    }
-
-    /// Constant loads for the step of `request`, and their part along the turn, N, after the start of `step` with the loads `now`.
-    /// `None`: loads are held, nothing is known of the motion, the step is too long for it, or it leads where there are no loads.
+    /// Constant loads for the step of `acting`, and their part along the turn, N, from the communication point with the loads `now`.
+    /// `None`: it leads where there are no loads.
     fn step_loads(
         &self,
         phase: &PhaseOffset,
         inputs: &Inputs,
         now: (Loads, f64),
-        step: &Step,
-        request: &StepRequest,
+        acting: &Acting,
         workspace: &mut Workspace,
     ) -> Option<(Loads, f64)> {
-        let (h, mass) = (request.length, request.effective_mass);
-        // From the communication point to the begin of the step in which the loads act, s.
-        let start = match request.coupling {
-            Coupling::Held => return None,
-            Coupling::Sequential => 0.0,
-            Coupling::Parallel => h,
-        };
-        // 1/m, the acceleration by all but the mesh, and the one until the loads act, under loads that are given, m/s².
-        let (mut mobility, mut others, mut given) = (0.0, 0.0, 0.0);
-        if mass > 0.0 {
-            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
-            if h * (stiffness / mass).sqrt() > LONGEST_STEP {
-                return None;
+        let (h, [y, u]) = (acting.length, acting.displaced);
+        let Outlook { free, mobility } = acting.outlook;
+        let mut at = |ahead: f64, dy: f64, du: f64| -> Option<(Loads, f64)> {
+            let time = acting.time + ahead;
+            if time == 0.0 {
+                return Some(now);
             }
-            mobility = step.sums.mobility(mass, self.noise());
-            others = step.acceleration? + step.before * mobility;
-            given = others - step.force * mobility;
+            // The approach is that of the drift with the present velocities, and beside it:
+            let there = self.moved(inputs, time, y + ahead * u + dy, u + du);
+            let solution = Solution::new(self, phase, &there, false, workspace).ok()?;
+            let force = solution.mesh.map_or(0.0, |mesh| mesh.force_along_turn());
+            Some((Loads::at(&solution.outputs), force))
+        };
+        let theta = acting.outlook.theta();
+        if theta > RULES[1] {
+            return at(0.0, 0.0, 0.0);
         }
-        // Displacement beside the drift with the present velocities, m, and its rate.
-        let (y, u) = (0.5 * given * start.powi(2), given * start);
-        // One step of the classical Runge-Kutta method for y'' = a - F/m.
+        if theta < RULES[0] {
+            return at(h, free[1] * h.powi(2), 0.0);
+        }
+        // One step of the classical Runge-Kutta method for y'' = e - w F.
         let mut stages = [now; 4];
         let (mut dy, mut du) = (0.0, 0.0);
         for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {
-            let (y, u) = (y + ahead * dy, u + ahead * du);
-            let time = start + ahead;
-            if time > 0.0 {
-                let there = self.moved(inputs, time, y, u);
-                let solution = Solution::new(self, phase, &there, false, workspace).ok()?;
-                let force = solution.mesh.map_or(0.0, |mesh| mesh.force_along_turn());
-                *stage = (Loads::at(&solution.outputs), force);
-            }
-            (dy, du) = (u, others - stage.1 * mobility);
+            let (y, u) = (ahead * dy, ahead * du);
+            *stage = at(ahead, y, u)?;
+            (dy, du) = (u, free[0] - stage.1 * mobility[0]);
         }
         let parted = stages.iter().any(|(_, force)| *force == 0.0);
         let weights = if parted { MEAN } else { EQUIVALENT };
@@ -243,7 +348,7 @@ impl Element {
             }
             force += weight * f;
         }
-        Some((loads, force))
+        Some((loads, force)).filter(|(loads, _)| loads.0.iter().all(|x| x.is_finite()))
     }
 
     /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s. The line
@@ -280,74 +385,35 @@ impl Mesh<f64> {
     }
 }
 
-impl Step {
+impl History {
     /// Whether a prediction can have made it, its numbers being finite as all in JSON are.
     pub fn is_valid(&self) -> bool {
-        let Sums { ours, other, .. } = self.sums;
-        self.length > 0.0
-            && self.sign.abs() == 1.0
-            && ours[0].min(other[0]).min(self.sums.acceleration) >= 0.0
-    }
-
-    /// Takes over from the step `last` before it what it shows, if the motion of this one follows from it.
-    fn follow(&mut self, last: &Step) {
-        let sign = self.sign;
-        let [x0, x1] = [last.position, self.position].map(|x| x[0] - sign * x[1]);
-        let [v0, v1] = [last.rate, self.rate].map(|v| v[0] - sign * v[1]);
-        let acceleration = (v1 - v0) / last.length;
-        let change = 0.5 * (v0 + v1) * last.length;
-        let tolerance = acceleration.abs() * last.length.powi(2) + AGREEMENT;
-        if ((x1 - x0) - change).abs() > tolerance {
-            return;
-        }
-        self.acceleration = Some(acceleration);
-        self.before = last.force;
-        if let Some(before) = last.acceleration {
-            let change = [last.force - last.before, acceleration - before];
-            self.change = Some(change);
-            self.sums = last.sums;
-            if let Some(old) = last.change {
-                let next = (self.force - last.force) - change[0];
-                self.sums.add(change[0] - old[0], next, old[1] - change[1]);
-            }
-        }
-    }
-}
-
-impl Sums {
-    /// Adds one step: second differences of both forces, N, and of the acceleration that they brought, m/s².
-    fn add(&mut self, ours: f64, other: f64, acceleration: f64) {
-        for (sums, force) in [(&mut self.ours, ours), (&mut self.other, other)] {
-            sums[0] = MEMORY * sums[0] + force * force;
-            sums[1] = MEMORY * sums[1] + force * acceleration;
-        }
-        self.acceleration = MEMORY * self.acceleration + acceleration * acceleration;
-    }
-
-    /// 1/m, 1/kg, from the changes of force and acceleration so far, or where they show less than changes of the square `weight`, N²,
-    /// from twice the least mass.
-    fn mobility(&self, least_mass: f64, weight: f64) -> f64 {
-        let mobility = (weight * 0.5 / least_mass + self.ours[1]) / (weight + self.ours[0]);
-        mobility.clamp(0.0, 2.0 / least_mass)
-    }
-
-    /// Whether the accelerations follow the forces of the step after, and not those that were taken to act.
-    fn look_sequential(&self, noise: f64) -> bool {
-        /// Share of the accelerations that the force taken to act leaves unexplained, at least, and of that what the other one does, at
-        /// most: a swing whose period is 20 steps leaves a tenth, and nothing.
-        const LEFT: f64 = 1e-3;
-        const LEFT_BY_OTHER: f64 = 0.05;
-        let [ours, other] = [self.ours, self.other]
-            .map(|[square, product]| self.acceleration - product * product / square);
-        self.ours[0].min(self.other[0]) > 100.0 * noise
-            && ours > LEFT * self.acceleration
-            && other < LEFT_BY_OTHER * ours
+        self.length > 0.0 && self.sign.abs() == 1.0 && self.master.is_valid()
     }
 }
 
 impl Loads {
     /// Rows of [`Outputs::to_array`]: forces and moments on both gears, tangential and normal force.
     pub const ROWS: [usize; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 20, 21];
+
+    /// Puts them into the outputs `rows`.
+    pub(crate) fn write(&self, rows: &mut [f64]) {
+        for (row, load) in Self::ROWS.into_iter().zip(self.0) {
+            rows[row] = load;
+        }
+    }
+
+    /// Adds them to the outputs `rows`.
+    pub(crate) fn add_to(&self, rows: &mut [f64]) {
+        for (row, load) in Self::ROWS.into_iter().zip(self.0) {
+            rows[row] += load;
+        }
+    }
+
+    /// These less `other`.
+    pub(crate) fn without(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
+    }
 
     /// Those of `outputs`.
     pub fn at(outputs: &Outputs) -> Self {

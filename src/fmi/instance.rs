@@ -1,6 +1,6 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
-//! Outputs and their derivatives are a pure function of inputs, parameters, phase offsets and, with `coupling`, of the last step.
+//! Outputs and their derivatives are a pure function of inputs, parameters, phase offsets and, with `coupling`, of what the last step gave.
 //! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time. A call that is refused changes nothing.
 
@@ -11,15 +11,15 @@ use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
 use super::lifecycle::{Clock, Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
-use super::state::{InstanceState, new_handle, unknown};
+use super::state::{InstanceState, StepLoads, new_handle, unknown};
 use super::variables::{
-    Causality, FIRST_PARAMETER, INPUTS, Kind, VARIABLES, Variability, Variable, block_of,
+    Causality, FIRST_PARAMETER, INPUTS, Kind, OUTPUTS, VARIABLES, Variability, Variable, block_of,
     check_finite, check_value, find, index, index_of, output_row,
 };
 use super::{Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, Formulation, Inputs, Jacobian,
-    Loads, Outputs, PhaseOffset, Prediction, StepRequest, Workspace,
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, Formulation, History, Inputs,
+    Jacobian, Loads, Mode, Outputs, PhaseOffset, Prediction, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -42,8 +42,8 @@ pub struct Instance {
     slopes_with_stiffness: Option<bool>,
     /// How often the gears left the range, for the log.
     departures: usize,
-    /// Whether the log has a warning that the master does not step as `coupling` says.
-    warned: bool,
+    /// How often loads came to be made otherwise, for the log.
+    turns: usize,
     /// The step that was discarded last, from its point over its size, s, and the inputs that it was tried with.
     discarded: Option<([f64; 2], InputValues)>,
     events: Vec<(Severity, String)>,
@@ -59,7 +59,7 @@ struct Buffers {
 struct Evaluated {
     all: Outputs,
     /// The FMU's, in the order of their variables.
-    rows: [f64; CONTINUOUS_OUTPUTS],
+    rows: [f64; OUTPUTS],
 }
 
 /// Warnings that the gears have left the range, of one instance.
@@ -87,7 +87,7 @@ impl Instance {
                 inputs: InputValues::new(&resources.starts),
                 parameters: std::array::from_fn(|k| resources.starts[FIRST_PARAMETER + k]),
                 phase_offset: None,
-                step: None,
+                history: None,
                 loads: None,
                 out_of_range: false,
             },
@@ -102,7 +102,7 @@ impl Instance {
             outputs: None,
             slopes_with_stiffness: None,
             departures: 0,
-            warned: false,
+            turns: 0,
             discarded: None,
             events: Vec::new(),
             resources,
@@ -180,7 +180,7 @@ impl Instance {
         *self = Self {
             stored: std::mem::take(&mut self.stored),
             departures: self.departures,
-            warned: self.warned,
+            turns: self.turns,
             events: vec![(Severity::Event, "reset".into())],
             ..Self::new(self.resources.clone(), self.state.interface)
         };
@@ -317,9 +317,8 @@ impl Instance {
     /// Inputs have changed.
     #[inline]
     fn moved(&mut self) {
-        // The loads of the last step go on acting where everyone steps at once.
-        if self.settings.coupling != Coupling::Parallel {
-            self.state.loads = None;
+        if let Some(loads) = &mut self.state.loads {
+            loads.moved = true;
         }
         self.changed();
     }
@@ -406,48 +405,53 @@ impl Instance {
     /// Outputs at the present state.
     fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
         if self.outputs.is_none() {
-            let last = self.state.step.map(|step| step.length);
-            let (all, loads) = match (self.settings.coupling, self.state.loads, last) {
-                // Of a step as long as the last one.
-                (Coupling::Sequential, None, Some(length)) => {
-                    let prediction = self.predict(length)?;
-                    (prediction.outputs, Some(prediction.loads))
-                }
-                (_, loads, _) => {
-                    let (element, buffers, phase) = self.in_phase()?;
-                    let workspace = &mut buffers.workspace;
-                    let all = element.evaluate_from(&phase, &buffers.motions, workspace)?;
-                    (all, loads)
-                }
-            };
-            self.outputs = Some(self.evaluated(all, loads.as_ref())?);
+            let all = self.law()?;
+            let (loads, history) = (self.state.loads.as_ref(), self.state.history.as_ref());
+            self.outputs = Some(self.evaluated(all, loads, history)?);
         }
         Ok(self.outputs.as_ref().expect("made above"))
     }
 
-    /// Those of the communication point, with the `loads` of a step where there are some.
-    fn evaluated(&self, all: Outputs, loads: Option<&Loads>) -> Result<Evaluated, Refusal> {
-        let mut rows = all.to_array();
-        for (row, load) in loads.iter().flat_map(|l| Loads::ROWS.into_iter().zip(l.0)) {
-            rows[row] = load;
+    /// Those of the pose.
+    fn law(&mut self) -> Result<Outputs, Refusal> {
+        let (element, buffers, phase) = self.in_phase()?;
+        let (motions, workspace) = (&buffers.motions, &mut buffers.workspace);
+        Ok(element.evaluate_from(&phase, motions, workspace)?)
+    }
+
+    /// Those of the pose, with what the last step gave. After fmi2SetReal its loads change as those of the pose, until the teeth part.
+    fn evaluated(
+        &self,
+        all: Outputs,
+        loads: Option<&StepLoads>,
+        history: Option<&History>,
+    ) -> Result<Evaluated, Refusal> {
+        let mut rows = [0.0; OUTPUTS];
+        rows[..CONTINUOUS_OUTPUTS].copy_from_slice(&all.to_array());
+        match loads {
+            Some(step) if !step.moved => step.given.write(&mut rows),
+            Some(step) if all.flank != 0 => step.beyond.add_to(&mut rows),
+            _ => {}
+        }
+        if self.settings.coupling != Coupling::Held {
+            rows[CONTINUOUS_OUTPUTS + 1] = self.settings.effective_mass;
+        }
+        if let Some(history) = history {
+            let report = history.report;
+            rows[CONTINUOUS_OUTPUTS..].copy_from_slice(&[
+                match report.mode {
+                    Mode::Held | Mode::TooLong => 0.0,
+                    Mode::Sequential => 1.0,
+                    Mode::Parallel => 2.0,
+                },
+                report.effective_mass,
+                report.error,
+            ]);
         }
         match rows.iter().position(|x| !x.is_finite()) {
             Some(row) => Err(self.not_finite("", row)),
             None => Ok(Evaluated { all, rows }),
         }
-    }
-
-    /// Loads for a step of `length` s from the present inputs, by the coupling.
-    fn predict(&mut self, length: f64) -> Result<Prediction, Refusal> {
-        let request = StepRequest {
-            coupling: self.settings.coupling,
-            length,
-            effective_mass: self.settings.effective_mass,
-        };
-        let last = self.state.step;
-        let (element, buffers, phase) = self.in_phase()?;
-        let (motions, workspace) = (&buffers.motions, &mut buffers.workspace);
-        Ok(element.predict(&phase, motions, last.as_ref(), &request, workspace)?)
     }
 
     /// Of the output in `row`, or of `what` of it.
@@ -480,7 +484,7 @@ impl Instance {
     ) -> Result<Vec<f64>, Refusal> {
         let rows = rows(unknown)?;
         let mut direction = Direction::zeros();
-        let mut by_parameters = [0.0; CONTINUOUS_OUTPUTS];
+        let mut by_parameters = [0.0; OUTPUTS];
         for (&reference, &seed) in known.iter().zip(seeds) {
             let i = find(Kind::Real, reference)?;
             let name = VARIABLES[i].name;
@@ -513,7 +517,7 @@ impl Instance {
 
     /// Derivatives of the outputs by the Real parameter `i`: by differences, from one side where the other is no value of
     /// it.
-    fn by_parameter(&mut self, i: usize) -> Result<[f64; CONTINUOUS_OUTPUTS], Refusal> {
+    fn by_parameter(&mut self, i: usize) -> Result<[f64; OUTPUTS], Refusal> {
         /// Of the larger one of value and nominal value.
         const STEP: f64 = 1e-5;
         const POSITION: usize = index::MESH_POSITION - INPUTS;
@@ -557,7 +561,8 @@ impl Instance {
             self.slopes_with_stiffness = Some(with_stiffness);
         }
         let slopes = *self.buffers.slopes * direction;
-        let slope = |&row: &usize| match slopes[row] {
+        // What is known of the master changes at steps alone.
+        let slope = |&row: &usize| match slopes.get(row).copied().unwrap_or(0.0) {
             slope if slope.is_finite() => Ok(slope),
             _ => Err(self.not_finite("the derivative of ", row)),
         };
@@ -640,36 +645,102 @@ impl Instance {
         Ok(())
     }
 
-    /// Outputs of the step: at inputs that the host moves by derivatives, else by the coupling.
+    /// Outputs of the step, with loads by the coupling; the others belong to where derivatives of the inputs lead.
     fn advance(&mut self, step: f64) -> Result<(), Refusal> {
-        let Some(end) = self.state.inputs.after(step) else {
-            if self.settings.coupling == Coupling::Held {
-                return self.outputs().map(drop);
-            }
-            let prediction = self.predict(step)?;
-            let outputs = self.evaluated(prediction.outputs, Some(&prediction.loads))?;
-            if prediction.seems_sequential && !std::mem::replace(&mut self.warned, true) {
-                self.report(
-                    Severity::Warning,
-                    "the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential",
-                );
-            }
-            self.changed();
-            self.outputs = Some(outputs);
-            (self.state.step, self.state.loads) = (prediction.step, Some(prediction.loads));
-            return Ok(());
-        };
-        if let Some(i) = end.fault() {
+        let end = self.state.inputs.after(step);
+        let coupling = self.settings.coupling;
+        if end.is_none() && coupling == Coupling::Held {
+            return self.outputs().map(drop);
+        }
+        if let Some(i) = end.as_ref().and_then(InputValues::fault) {
             return Err(self.overflow(i, "an input overflows within the step"));
         }
-        let before = self.state.clone();
-        (self.state.inputs, self.state.step, self.state.loads) = (end, None, None);
-        self.changed();
-        let outcome = self.outputs().map(drop);
-        if outcome.is_err() {
-            self.state = before;
+        let found = match coupling {
+            Coupling::Held => None,
+            _ => Some(self.predict(coupling, step)?),
+        };
+        let start = end.map(|end| std::mem::replace(&mut self.state.inputs, end));
+        let outcome = self.committed(found, start.is_some());
+        if let Some(start) = start.filter(|_| outcome.is_err()) {
+            self.state.inputs = start;
+            self.changed();
         }
         outcome
+    }
+
+    /// Takes over what was `found` for a step, which has moved the inputs or not.
+    fn committed(&mut self, found: Option<Prediction>, moved: bool) -> Result<(), Refusal> {
+        let all = match &found {
+            Some(found) if !moved => found.outputs,
+            _ => self.law()?,
+        };
+        let history = found.as_ref().and_then(|found| found.history);
+        let loads = found.map(|found| StepLoads {
+            given: found.loads,
+            beyond: found.loads.without(&Loads::at(&all)),
+            moved: false,
+        });
+        let outputs = self.evaluated(all, loads.as_ref(), history.as_ref())?;
+        self.changed();
+        self.outputs = Some(outputs);
+        let before = std::mem::replace(&mut self.state.history, history);
+        self.state.loads = loads;
+        self.watch_master(before.as_ref());
+        Ok(())
+    }
+
+    /// Loads for a step of `length` s from the present inputs.
+    fn predict(&mut self, coupling: Coupling, length: f64) -> Result<Prediction, Refusal> {
+        let request = StepRequest {
+            coupling,
+            length,
+            effective_mass: self.settings.effective_mass,
+        };
+        let last = self.state.history;
+        let (element, buffers, phase) = self.in_phase()?;
+        let (motions, workspace) = (&buffers.motions, &mut buffers.workspace);
+        Ok(element.predict(&phase, motions, last.as_ref(), &request, workspace)?)
+    }
+
+    /// Reports when loads come to be made otherwise than in the step before.
+    fn watch_master(&mut self, before: Option<&History>) {
+        let mode = |history: &History| history.report.mode;
+        let (was, now) = (before.map(mode), self.state.history.as_ref().map(mode));
+        let (was, now) = (was.unwrap_or_default(), now.unwrap_or_default());
+        if was == now || self.turns > MOST_WARNINGS {
+            return;
+        }
+        self.turns += 1;
+        let Some(report) = self.state.history.map(|history| history.report) else {
+            return;
+        };
+        let (mass, theta) = (report.effective_mass, report.theta);
+        let rule = format!("effective mass {mass:.4} kg, x' - x - H v = {theta:.2} H (v' - v)");
+        let (severity, text) = match now {
+            Mode::Held => (
+                Severity::Event,
+                "coupling: loads of the communication point".into(),
+            ),
+            Mode::TooLong => (
+                Severity::Warning,
+                format!(
+                    "coupling: loads of the communication point, for the step is {:.2} of the mesh's own radians per step, and 1.7 at most can be \
+                     predicted: take a shorter step",
+                    report.angle
+                ),
+            ),
+            Mode::Sequential => (
+                Severity::Event,
+                format!(
+                    "coupling: loads for the step that starts at the communication point ({rule})"
+                ),
+            ),
+            Mode::Parallel => (
+                Severity::Event,
+                format!("coupling: loads for the step after the one asked for ({rule})"),
+            ),
+        };
+        self.report(severity, &text);
     }
 
     /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.

@@ -43,7 +43,12 @@ const INTERPOLATIONS: [Interpolation; 3] = [
 ];
 const ORIENTATIONS: [Orientation; 2] = [Orientation::Angles, Orientation::Quaternion];
 const LOADED_FLANKS: [LoadedFlank; 3] = [LoadedFlank::Drive, LoadedFlank::Coast, LoadedFlank::Both];
-const COUPLINGS: [Coupling; 3] = [Coupling::Held, Coupling::Sequential, Coupling::Parallel];
+const COUPLINGS: [Coupling; 4] = [
+    Coupling::Held,
+    Coupling::Sequential,
+    Coupling::Parallel,
+    Coupling::Automatic,
+];
 const PHASE_REFERENCES: [PhaseReference; 2] =
     [PhaseReference::FromInitialPose, PhaseReference::Absolute];
 

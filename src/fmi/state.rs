@@ -10,11 +10,23 @@ use super::inputs::InputValues;
 use super::lifecycle::{Clock, Interface, State};
 use super::parameters::Settings;
 use super::variables::PARAMETERS;
-use crate::element::{Loads, PhaseOffset, Step};
+use crate::element::{History, Loads, PhaseOffset};
 use crate::sealed;
 
 /// Changes with the layout of serialised states.
-const MAGIC: &[u8; 32] = b"gearmesh state of instance v007\n";
+const MAGIC: &[u8; 32] = b"gearmesh state of instance v008\n";
+
+/// Loads that a step gave.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StepLoads {
+    /// What it gave.
+    pub given: Loads,
+    /// The same without those of the pose.
+    pub beyond: Loads,
+    /// Whether inputs have changed since.
+    pub moved: bool,
+}
 
 /// State of one instance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,10 +41,10 @@ pub(super) struct InstanceState {
     pub parameters: [f64; PARAMETERS],
     /// Phase offsets; `None` until fmi2ExitInitializationMode takes them.
     pub phase_offset: Option<PhaseOffset>,
-    /// The last step, where a coupling predicts loads from it.
-    pub step: Option<Step>,
+    /// The steps so far, where a coupling predicts loads from them.
+    pub history: Option<History>,
     /// Loads that the last step gave, where a coupling does.
-    pub loads: Option<Loads>,
+    pub loads: Option<StepLoads>,
     /// Whether the outputs last looked at were out of range, for the log.
     pub out_of_range: bool,
 }
@@ -57,8 +69,8 @@ impl InstanceState {
             State::Terminated => has_phases,
             State::Fatal => false,
         };
-        let steps = self.step.as_ref().is_none_or(Step::is_valid)
-            && (has_phases || (self.step.is_none() && self.loads.is_none()));
+        let steps = self.history.as_ref().is_none_or(History::is_valid)
+            && (has_phases || (self.history.is_none() && self.loads.is_none()));
         if !fits || !steps || self.inputs.fault().is_some() {
             return Err(Refusal::error(format!(
                 "the stored state is {:?} with phases, steps or inputs that no {interface:?} of this FMU has",

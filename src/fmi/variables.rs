@@ -85,6 +85,9 @@ pub const INPUTS: usize = index::GEAR1_FORCE_1;
 /// Index in [`VARIABLES`] of the first parameter.
 pub const FIRST_PARAMETER: usize = index::STIFFNESS_MODEL;
 
+/// Number of outputs: those of the element, then what is known of the master.
+pub const OUTPUTS: usize = FIRST_PARAMETER - INPUTS;
+
 /// Number of parameters.
 pub const PARAMETERS: usize = VARIABLES.len() - FIRST_PARAMETER;
 
@@ -190,7 +193,7 @@ mod tests {
 
     #[test]
     fn inputs_are_real_and_without_bounds_and_outputs_and_parameters_follow_them() {
-        assert_eq!(FIRST_PARAMETER - INPUTS, CONTINUOUS_OUTPUTS);
+        assert_eq!(output_row(index::COUPLING_MODE), Some(CONTINUOUS_OUTPUTS));
         for (i, v) in VARIABLES.iter().enumerate() {
             let causality = match i {
                 ..INPUTS => Causality::Input,

@@ -20,7 +20,7 @@ from host import Unit  # noqa: E402
 
 
 FORMULATIONS = pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
-COUPLINGS = pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+COUPLINGS = pytest.mark.parametrize("coupling", [1, 2, 3, 4], ids=["held", "sequential", "parallel", "automatic"])
 EXTERNAL_AND_INTERNAL = pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
 
 

@@ -13,7 +13,7 @@
 
 use crate::Result;
 use gearmesh::element::{
-    Coupling, Element, Inputs, Loads, Motion, Outputs, PhaseOffset, Step, StepRequest, Workspace,
+    Coupling, Element, History, Inputs, Loads, Motion, Outputs, PhaseOffset, StepRequest, Workspace,
 };
 use gearmesh::gear::PairGeometry;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -378,7 +378,7 @@ pub struct CoSimulation<'a> {
     pub state: State,
     /// Those that act in the next step of a parallel master.
     loads: Loads,
-    last: Option<Step>,
+    last: Option<History>,
 }
 
 impl<'a> CoSimulation<'a> {
@@ -419,7 +419,7 @@ impl<'a> CoSimulation<'a> {
             Master::Sequential => predicted.loads,
             Master::Parallel => self.loads,
         };
-        (self.last, self.loads) = (predicted.step, predicted.loads);
+        (self.last, self.loads) = (predicted.history, predicted.loads);
         let part = |k: usize| Vector3::from_column_slice(&acting.0[k..][..3]);
         let (force, moment) = ([part(0), part(6)], [part(3), part(9)]);
         let h = self.step / self.substeps as f64;

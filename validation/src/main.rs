@@ -22,6 +22,7 @@ const FOLDERS: [(&str, &[(&str, Chapter)]); 4] = [
             ("oscillator", stability::oscillator::report),
             ("rattle", stability::rattle::report),
             ("cosimulation", stability::cosimulation::report),
+            ("masters", stability::masters::report),
             ("continuity", stability::continuity::report),
         ],
     ),

@@ -51,7 +51,7 @@ pub(super) struct Description<'a> {
     pub table: Option<&'a Table>,
     pub dynamics: &'a MeshDynamics,
     /// By [`super::step_error`].
-    pub step_error: Option<f64>,
+    pub step_error: Option<super::StepError>,
     /// Input signals as CSV.
     pub example: Option<String>,
 }

@@ -20,7 +20,7 @@ const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
 pub(super) const HELD: f64 = 1.0;
 pub(crate) const SEQUENTIAL: f64 = 2.0;
-const PARALLEL: f64 = 3.0;
+const AUTOMATIC: f64 = 4.0;
 
 /// Start values of an FMU that belong to its pair.
 #[derive(Debug)]
@@ -114,8 +114,7 @@ impl Starts {
             (index::MISALIGNMENT_EFFECT, 0.0),
             (index::SHUTTLING_EFFECT, 0.0),
             (index::DAMPING, dynamics.damping),
-            // Wrong for a sequential master it damps; the other way round no step would be stable.
-            (index::COUPLING, PARALLEL),
+            (index::COUPLING, AUTOMATIC),
             (index::EFFECTIVE_MASS, dynamics.effective_mass),
             // Tables serve both flanks: the coast flank has its own or is the drive flank's mirror image.
             (index::LOADED_FLANK, BOTH_FLANKS),

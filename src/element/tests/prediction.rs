@@ -46,7 +46,7 @@ impl Disc {
 
     fn predict(
         &self,
-        last: Option<&Step>,
+        last: Option<&History>,
         coupling: Coupling,
         length: f64,
         mass: f64,
@@ -65,7 +65,7 @@ impl Disc {
 
     /// Angles after every 4 steps of `STEP`, by a master with `length` that divides it.
     fn run(&mut self, coupling: Coupling, length: f64, effective_mass: f64) -> Vec<f64> {
-        let (mut last, mut pending) = (None::<Step>, None::<Loads>);
+        let (mut last, mut pending) = (None::<History>, None::<Loads>);
         let every = (4.0 * STEP / length).round() as usize;
         let mut angles = vec![];
         for n in 0..every * 50 {
@@ -74,7 +74,7 @@ impl Disc {
                 Coupling::Parallel => pending.unwrap_or(Loads::at(&found.outputs)),
                 _ => found.loads,
             };
-            (last, pending) = (found.step, Some(found.loads));
+            (last, pending) = (found.history, Some(found.loads));
             if n % every == 0 {
                 angles.push(self.angle);
             }
@@ -125,7 +125,7 @@ fn a_disc_under_predicted_loads_moves_as_with_steps_fifty_times_shorter_whatever
 #[test]
 fn poses_that_do_not_follow_from_the_velocities_and_steps_too_long_get_the_loads_of_the_point() {
     for mut disc in Disc::all() {
-        let ask = |disc: &Disc, last: Option<&Step>, length: f64| {
+        let ask = |disc: &Disc, last: Option<&History>, length: f64| {
             disc.predict(last, Coupling::Parallel, length, disc.mass())
         };
         // Pressed, and coming nearer.
@@ -135,12 +135,12 @@ fn poses_that_do_not_follow_from_the_velocities_and_steps_too_long_get_the_loads
         assert_eq!(first.loads, Loads::at(&first.outputs));
         assert!(first.outputs.normal_force > 100.0);
         disc.angle += disc.rate * STEP;
-        let second = ask(&disc, first.step.as_ref(), STEP);
+        let second = ask(&disc, first.history.as_ref(), STEP);
         assert_ne!(second.loads, Loads::at(&second.outputs));
-        let long = ask(&disc, first.step.as_ref(), 1e-3);
+        let long = ask(&disc, first.history.as_ref(), 1e-3);
         assert_eq!(long.loads, Loads::at(&long.outputs));
         disc.angle += toward * 1e-5;
-        let moved = ask(&disc, second.step.as_ref(), STEP);
+        let moved = ask(&disc, second.history.as_ref(), STEP);
         assert_eq!(moved.loads, Loads::at(&moved.outputs));
     }
 }
@@ -172,7 +172,7 @@ fn predicted_loads_do_not_depend_on_how_fast_the_line_of_centres_turns() {
                     let found =
                         element.predict(&phase, &inputs, last.as_ref(), &request, workspace);
                     let found = found.unwrap();
-                    (last, loads) = (found.step, found.loads);
+                    (last, loads) = (found.history, found.loads);
                 }
                 loads.0[13]
             };

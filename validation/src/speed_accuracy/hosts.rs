@@ -75,7 +75,7 @@ pub fn cost(context: &Context, data: &Data) -> Result<()> {
             let unit = package::inspect(&path)?.unit;
             let bears = |step: f64| {
                 let error = package::step_error(&unit, Some(&tables), step.exp());
-                Ok(error.is_some_and(|error| error < BEARABLE))
+                Ok(error.is_some_and(|error| error.run < BEARABLE))
             };
             let [longest, _] = last_that_holds([1e-7_f64.ln(), 1e-4_f64.ln()], 10, bears)?;
             let found = steps(context, &path)?;

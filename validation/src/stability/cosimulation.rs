@@ -7,11 +7,10 @@ use crate::setup::external_and_internal;
 use crate::{Context, Result, in_repository};
 use gearmesh::element::{Element, Parameters};
 use gearmesh::table::{Table, TableFile};
-use nalgebra::{DMatrix, Matrix2, Vector2};
 use std::sync::Arc;
 
 /// Disturbance whose growth is watched: so small that damping never brings the force to its bound, zero,
-/// which would hold an unstable motion in a limit cycle, nor tells the element its mass: it starts from twice the least.
+/// which would hold an unstable motion in a limit cycle.
 const DISTURBANCE: f64 = 1e-6;
 
 /// Damping ratios; the last is that of the paper's simulations.
@@ -74,58 +73,6 @@ pub fn expected_limit(master: Master, zeta: f64) -> Option<f64> {
     }
 }
 
-/// Largest stable omega H with predicted loads at `mass` over the true one, at most `most`: where a multiplier of the linear map from
-/// step to step leaves the unit circle. The motion that the element foresees is solved exactly here.
-pub fn expected_prediction(master: Master, zeta: f64, mass: f64, most: f64) -> f64 {
-    let spectral_radius = |h: f64| -> f64 {
-        // Scaled: k = 1, m = 1, so that time is omega t. y'' = a - (y + 2 zeta y')/mass over h, from (x, v) under a:
-        // (y, y') = e^(A h) (x - mass a, v) + (mass a, 0).
-        let a = Matrix2::new(0.0, 1.0, -1.0 / mass, -2.0 * zeta / mass);
-        let e = (a * h).exp();
-        // The constant force by x, v and a: (8 F(h/2) - F(0) - F(h)) / 6.
-        let half = (a * (0.5 * h)).exp();
-        let constant = |x: f64, v: f64, a: f64| {
-            let start = Vector2::new(x - mass * a, v);
-            let force = |s: Vector2<f64>| s[0] + mass * a + 2.0 * zeta * s[1];
-            (8.0 * force(half * start) - force(start) - force(e * start)) / 6.0
-        };
-        let step = |x: f64, v: f64, f: f64| [x + h * v - 0.5 * h * h * f, v - h * f];
-        // State: x, v, v one step before, force over the last step, force over the coming one (parallel).
-        let map = |s: [f64; 5]| -> [f64; 5] {
-            let [x, v, before, last, coming] = s;
-            let a = (v - before) / h + last / mass;
-            match master {
-                Master::Sequential => {
-                    let f = constant(x, v, a);
-                    let [x1, v1] = step(x, v, f);
-                    [x1, v1, v, f, 0.0]
-                }
-                Master::Parallel => {
-                    let given = a - coming / mass;
-                    let next = constant(x + h * v + 0.5 * h * h * given, v + h * given, a);
-                    let [x1, v1] = step(x, v, coming);
-                    [x1, v1, v, coming, next]
-                }
-            }
-        };
-        let columns = DMatrix::from_fn(5, 5, |row, column| {
-            map(std::array::from_fn(|i| f64::from(u8::from(i == column))))[row]
-        });
-        columns
-            .complex_eigenvalues()
-            .iter()
-            .map(|z| z.norm())
-            .fold(0.0, f64::max)
-    };
-    let stable = |h: f64| spectral_radius(h) < 1.0 + 1e-9;
-    // From below: beyond the limit there may be stable islands.
-    let count = 4000;
-    let first = (1..=count)
-        .map(|n| most * f64::from(n) / f64::from(count))
-        .find(|h| !stable(*h));
-    first.map_or(most, |h| h - 0.5 * most / f64::from(count))
-}
-
 /// Pairs with shipped tables.
 pub const TABLES: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
 /// Angle omega H that packing chooses.
@@ -180,14 +127,6 @@ pub fn energy_brought(name: &str, way: impl Fn(f64) -> Way, steps: usize) -> Res
     Ok((energy(run.time, &run.state)? - first) / swing)
 }
 
-/// Masses that the element starts from, over the true one: twice the least that it is told.
-pub const MASSES: [f64; 5] = [0.5, 0.8, 1.0, 2.0, 4.0];
-
-/// Where the element goes over to held loads: omega H = 1.7 with the least mass that it is told, half of that it starts from.
-pub fn longest(factor: f64) -> f64 {
-    1.7 * (0.5 * factor).sqrt().min(1.0)
-}
-
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     let zetas = if context.quick { &ZETAS[3..4] } else { &ZETAS };
     for (part, master) in [
@@ -199,19 +138,13 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             let o = system(zeta)?;
             let expected = expected_limit(master, zeta).map(|x| format!("{x:.3}"));
             let held = limit(&o, Way::held(master))?;
-            let unknown = limit(&o, Way::predicted(master, 0.0))?;
-            let mut row = format!(
-                "{zeta} | {} | {held:.3} | {unknown:.3}",
+            let predicted = limit(&o, Way::predicted(master, mass()))?;
+            rows.push(format!(
+                "{zeta} | {} | {held:.3} | {predicted:.2}",
                 expected.unwrap_or_default()
-            );
-            for factor in MASSES {
-                let found = limit(&o, Way::predicted(master, 0.5 * factor * mass()))?;
-                let expected = expected_prediction(master, zeta, factor, longest(factor));
-                row += &format!(" | {found:.2} ({expected:.2})");
-            }
-            rows.push(row);
+            ));
         }
-        let head = "zeta | held, expected | held | no mass | mass x 0.5 | x 0.8 | x 1 | x 2 | x 4";
+        let head = "zeta | held, expected | held | predicted";
         data.table(part, head, &rows)?;
     }
     Ok(())

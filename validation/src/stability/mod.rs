@@ -4,6 +4,7 @@ pub mod continuity;
 pub mod cosimulation;
 pub mod energy;
 pub mod experiment;
+pub mod masters;
 pub mod oscillator;
 pub mod rattle;
 

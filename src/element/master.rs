@@ -1,0 +1,453 @@
+//! What the motion shows of the master and of the bodies that it moves.
+//!
+//! Over one communication step H the approach x and its rate v of the teeth change by
+//!
+//! ```text
+//! v' - v = H a,    x' - x - H v = H² d
+//! ```
+//!
+//! Both follow the force F of the mesh that acted in the step: a = e - w F and d = f - theta w F, with w the mobility of the gears (inverse
+//! effective mass) and theta 1/2 where the master holds loads over the step and moves the bodies exactly, 1 where it sets velocities first
+//! and moves by the new ones (`v += h a; x += h v`), 0 in the explicit Euler rule. What e and f hold, bodies, shafts, bearings and other
+//! meshes, is linear and does not change: a modes' sum that earlier values of e and of F foretell. So
+//!
+//! ```text
+//! Δe_n = Σ c_k Δe_(n-k) + Σ b_k w ΔF_(n-k),    k = 1..4 and 0..4
+//! ```
+//!
+//! is fitted to the steps so far by least squares that forget (Ljung, System Identification, 2nd ed. 1999, section 11.2: ARX models by
+//! regularised recursive least squares), for d with the same right-hand sides. It needs neither masses nor modes, and cannot drive a mode
+//! that it has seen: its frequency is in the coefficients.
+//!
+//! In which step F acts is what separates two such models: in the one that starts from the poses it was computed from, or in the
+//! one after it. Both foretell each step before it is used; the logarithm of the ratio of their errors, summed, is the evidence. A third one, of
+//! the acceleration alone, has to be beaten by far: else the motion is given and does not follow the loads.
+
+use serde::{Deserialize, Serialize};
+
+/// Earlier values of the acceleration, and of the force beside the acting one.
+const ORDER: usize = 4;
+/// Unknowns of a model; the acting force's is that at `ORDER`.
+const UNKNOWNS: usize = 2 * ORDER + 1;
+/// Accelerations that a row takes.
+const KEPT: usize = ORDER + 2;
+/// Forces: those of the later lag, too.
+const KEPT_FORCES: usize = KEPT + 1;
+
+/// Weight of what the step before showed.
+const MEMORY: f64 = 0.98;
+/// Weight of no change at all, over the mean square of what was seen: for accelerations, and for forces, whose mobility is known roughly.
+const RIDGE: f64 = 1e-4;
+const RIDGE_OF_FORCES: f64 = 1e-3;
+/// Changes of force over the nominal one that show nothing.
+const NOISE: f64 = 1e-6;
+
+/// Errors of a forecast over what it foretells that count as none, squared.
+const EXACT: f64 = 1e-6;
+/// Most that one step says: a ratio of errors of e^(3/2).
+const LOUDEST: f64 = 3.0;
+/// Evidence from which on a master is known, from which on one that lets loads act late is none, and from which on it is not looked at again.
+const KNOWN: f64 = 6.0;
+const CHANGED: f64 = 15.0;
+const SETTLED: f64 = 60.0;
+/// Steps after which bodies that follow the loads are taken for those of a master that lets them act late.
+const PATIENCE: usize = 10;
+/// Mobilities over the most that the gears alone have, above which the loads move the bodies, in steps that are alike and that are not,
+/// and below which they do.
+const MOBILITY: [f64; 2] = [0.02, 0.2];
+const MOST_MOBILITY: f64 = 3.0;
+
+/// Steps that differ by less, relatively, are alike.
+const ALIKE: f64 = 1e-6;
+
+/// In which step the loads act that a master reads after a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Lag {
+    /// In the step that starts from the poses they were computed from: the FMU steps before the bodies.
+    None,
+    /// In the step after that one: all step at once, then exchange.
+    One,
+}
+
+impl Lag {
+    const fn index(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::One => 1,
+        }
+    }
+
+    /// Of bodies that go on with their velocities, in steps of `length` s.
+    pub(super) fn drift(self, length: f64) -> Ahead {
+        let outlook = Outlook {
+            free: [0.0; 2],
+            mobility: [0.0; 2],
+        };
+        let given = match self {
+            Self::None => None,
+            Self::One => Some([0.0; 2]),
+        };
+        (outlook, given, length)
+    }
+}
+
+/// What [`Master::ahead`] gives.
+pub(super) type Ahead = (Outlook, Option<[f64; 2]>, f64);
+
+/// Acceleration and displacement over a step beyond those by the force that acts in it, and what that force adds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Outlook {
+    /// a and d without it, m/s².
+    pub free: [f64; 2],
+    /// w and theta w, 1/kg.
+    pub mobility: [f64; 2],
+}
+
+impl Outlook {
+    /// a and d under the force `acting`, N.
+    pub fn under(&self, acting: f64) -> [f64; 2] {
+        std::array::from_fn(|k| self.free[k] - self.mobility[k] * acting)
+    }
+
+    /// The master's rule.
+    pub fn theta(&self) -> f64 {
+        let [w, share] = self.mobility;
+        if w > 0.0 { share / w } else { 0.5 }
+    }
+}
+
+/// One step as the model sees it: what is known before it, and what came.
+struct Row {
+    known: [f64; UNKNOWNS],
+    came: [f64; 2],
+}
+
+/// Accelerations or forces, the newest first.
+type Series<const N: usize> = [f64; N];
+
+fn push<const N: usize>(series: &mut Series<N>, newest: f64) {
+    series.rotate_right(1);
+    series[0] = newest;
+}
+
+/// What the steps so far were.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Steps {
+    /// a and d, m/s².
+    change: [Series<KEPT>; 2],
+    /// Forces that were returned, N, positive from the drive flank.
+    force: Series<KEPT_FORCES>,
+    /// Lengths, s.
+    length: Series<3>,
+    /// Steps of one motion, and how many of the last were alike.
+    count: usize,
+    even: usize,
+}
+
+impl Steps {
+    /// Changes of w F where `acting(k)` acted in the step k back, and of e, from k = `from` on.
+    fn known(&self, w: f64, change: &[f64], acting: &[f64], even: usize) -> [f64; UNKNOWNS] {
+        let of_force = |k: usize| w * (acting[k] - acting[k + 1]);
+        std::array::from_fn(|i| match i {
+            ORDER.. => of_force(i - ORDER),
+            // Of steps that are not alike nothing follows for the next one.
+            _ if even < i + 3 => 0.0,
+            _ => change[i + 1] - change[i + 2] + of_force(i + 1),
+        })
+    }
+}
+
+/// A model with one lag, or that of the acceleration alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Model {
+    /// Sums of products: of what is known, and of that with what came.
+    square: [[f64; UNKNOWNS]; UNKNOWNS],
+    product: [[f64; UNKNOWNS]; 2],
+    /// The coefficients that they give.
+    coefficients: [[f64; UNKNOWNS]; 2],
+}
+
+fn dot(a: &[f64; UNKNOWNS], b: &[f64; UNKNOWNS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl Model {
+    /// Adds a step; returns by how much the acceleration was missed. The first `size` unknowns count.
+    fn add(&mut self, row: &Row, size: usize, least: f64) -> f64 {
+        let error = row.came[0] - dot(&self.coefficients[0], &row.known);
+        for i in 0..size {
+            let weight = row.known[i];
+            for (sum, x) in self.square[i].iter_mut().zip(&row.known) {
+                *sum = MEMORY * *sum + weight * x;
+            }
+            for (products, came) in self.product.iter_mut().zip(row.came) {
+                products[i] = MEMORY * products[i] + weight * came;
+            }
+        }
+        self.solve(size, least);
+        error
+    }
+
+    /// By Cholesky's decomposition; `least` is a square that is added.
+    fn solve(&mut self, size: usize, least: f64) {
+        let trace: f64 = (0..size).map(|i| self.square[i][i]).sum();
+        let mean = trace / size as f64;
+        let mut lower = [[0.0; UNKNOWNS]; UNKNOWNS];
+        let mut inverse = [0.0; UNKNOWNS];
+        for i in 0..size {
+            let ridge = if i < ORDER { RIDGE } else { RIDGE_OF_FORCES };
+            for j in 0..=i {
+                let done = lower[i].iter().zip(&lower[j]).take(j);
+                let sum = self.square[i][j] - done.map(|(a, b)| a * b).sum::<f64>();
+                if i == j {
+                    inverse[i] = (sum + ridge * mean + least)
+                        .max(f64::MIN_POSITIVE)
+                        .sqrt()
+                        .recip();
+                } else {
+                    lower[i][j] = sum * inverse[j];
+                }
+            }
+        }
+        for (solution, product) in self.coefficients.iter_mut().zip(&self.product) {
+            let mut x = *product;
+            for i in 0..size {
+                let sum: f64 = (0..i).map(|k| lower[i][k] * x[k]).sum();
+                x[i] = (x[i] - sum) * inverse[i];
+            }
+            for i in (0..size).rev() {
+                let sum: f64 = (i + 1..size).map(|k| lower[k][i] * x[k]).sum();
+                x[i] = (x[i] - sum) * inverse[i];
+            }
+            *solution = x;
+        }
+    }
+}
+
+/// What is known of the master, and of the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct Master {
+    /// Known beforehand, or found.
+    pub lag: Option<Lag>,
+    steps: Steps,
+    /// By lag.
+    models: [Model; 2],
+    alone: Model,
+    /// Mean square of the changes of acceleration.
+    change: f64,
+    /// Logarithms of the ratios of errors: of no lag over one, and of the acceleration alone over the better one.
+    evidence: [f64; 2],
+    settled: bool,
+    /// Steps that it comes from.
+    rows: usize,
+}
+
+impl Master {
+    /// At the start, where `force` (N) was read already; `lag` where it is known.
+    pub fn new(lag: Option<Lag>, force: f64) -> Self {
+        Self {
+            lag,
+            steps: Steps {
+                force: [force; KEPT_FORCES],
+                ..Steps::default()
+            },
+            models: [Model::default(); 2],
+            alone: Model::default(),
+            change: 0.0,
+            evidence: [0.0; 2],
+            settled: lag.is_some(),
+            rows: 0,
+        }
+    }
+
+    /// Whether steps can have made it.
+    pub fn is_valid(&self) -> bool {
+        let squares = |model: &Model| (0..UNKNOWNS).all(|i| model.square[i][i] >= 0.0);
+        self.change >= 0.0 && self.models.iter().chain([&self.alone]).all(squares)
+    }
+
+    /// The motion goes on from another place.
+    pub fn interrupt(&mut self) {
+        self.steps.count = 0;
+        self.steps.even = 0;
+    }
+
+    /// Steps that are remembered.
+    pub fn steps(&self) -> usize {
+        self.steps.count
+    }
+
+    /// Takes in a step: `change` is a and d, m/s², `length` its length, s; the gears alone have the mobility `w`, 1/kg, at most, and
+    /// `nominal` is the nominal force, N.
+    pub fn observe(&mut self, change: [f64; 2], length: f64, w: f64, nominal: f64) {
+        let steps = &mut self.steps;
+        let alike = steps.count > 0 && (length - steps.length[0]).abs() <= ALIKE * length;
+        steps.even = if alike { steps.even + 1 } else { 1 };
+        steps.count += 1;
+        push(&mut steps.length, length);
+        for (series, newest) in steps.change.iter_mut().zip(change) {
+            push(series, newest);
+        }
+        // Three accelerations, between which something acted.
+        if steps.count < 3 || steps.force[..3].iter().all(|force| *force == 0.0) {
+            return;
+        }
+        let noise = (NOISE * nominal * w).powi(2);
+        let [a, d] = &self.steps.change;
+        let (da, dd) = (a[0] - a[1], d[0] - d[1]);
+        let lags = [Lag::None, Lag::One];
+        let looked_at = |lag: Lag| !self.settled || self.lag == Some(lag);
+        let errors = lags.map(|lag| {
+            if !looked_at(lag) {
+                return 0.0;
+            }
+            let acting = &self.steps.force[lag.index()..];
+            let known = self.steps.known(w, a, acting, self.steps.even);
+            let moved = known[ORDER];
+            let row = Row {
+                known,
+                came: [da + moved, dd + 0.5 * moved],
+            };
+            self.models[lag.index()].add(&row, UNKNOWNS, noise)
+        });
+        if self.settled {
+            return;
+        }
+        let known = self.steps.known(0.0, a, &[0.0; KEPT], self.steps.even);
+        let row = Row {
+            known,
+            came: [da, 0.0],
+        };
+        let alone = self.alone.add(&row, ORDER, noise);
+        self.change = MEMORY * self.change + da * da;
+        let floor = EXACT * (da * da + (1.0 - MEMORY) * self.change) + noise;
+        let ratio = |worse: f64, better: f64| {
+            let [worse, better] = [worse, better].map(|error| error * error + floor);
+            (worse / better).ln().clamp(-LOUDEST, LOUDEST)
+        };
+        let [none, one] = errors;
+        let better = if none.abs() < one.abs() { none } else { one };
+        self.evidence[0] += ratio(none, one);
+        self.evidence[1] = (self.evidence[1] + ratio(alone, better)).min(SETTLED);
+        self.rows += 1;
+        self.judge(w);
+    }
+
+    fn judge(&mut self, w: f64) {
+        let [of_lag, of_loads] = self.evidence;
+        if of_loads < -KNOWN {
+            self.lag = None;
+        }
+        let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
+        let least = MOBILITY[usize::from(self.steps.even < 3)];
+        let moves = |lag: Lag| {
+            let share = self.mobility(lag, w)[0] / w;
+            of_loads > KNOWN && share > least && share < MOST_MOBILITY
+        };
+        let found = match self.lag {
+            None if of_lag.abs() > KNOWN => Some(likely).filter(|lag| moves(*lag)),
+            // Wrong for a master without lag it damps; the other way round it would not be stable.
+            None if self.rows >= PATIENCE => Some(Lag::One).filter(|lag| moves(*lag)),
+            Some(_) if !(-CHANGED..=KNOWN).contains(&of_lag) => {
+                Some(likely).filter(|lag| moves(*lag)).or(self.lag)
+            }
+            known => known,
+        };
+        self.lag = found;
+        self.settled = found == Some(likely) && of_lag.abs() > SETTLED && of_loads > KNOWN;
+    }
+
+    fn mobility(&self, lag: Lag, w: f64) -> [f64; 2] {
+        let [by_a, by_d] = &self.models[lag.index()].coefficients;
+        [w * (1.0 - by_a[ORDER]), w * (0.5 - by_d[ORDER])]
+    }
+
+    /// The steps that start now and after it, under the forces returned so far; both end with the outlook of the one in which the force
+    /// acts that is returned now. In between: length of the step, and a and d over it.
+    pub fn ahead(&self, lag: Lag, length: f64, w: f64) -> Ahead {
+        let steps = &self.steps;
+        let even = if steps.count > 0 && (length - steps.length[0]).abs() <= ALIKE * length {
+            steps.even + 1
+        } else {
+            1
+        };
+        match lag {
+            Lag::None => {
+                let [a, d] = &steps.change;
+                let outlook = self.outlook(lag, w, [a, d], &steps.force, even);
+                (outlook, None, length)
+            }
+            Lag::One => {
+                let [mut a, mut d] = steps.change;
+                let outlook = self.outlook(lag, w, [&a, &d], &steps.force[1..], even);
+                let given = outlook.under(steps.force[0]);
+                push(&mut a, given[0]);
+                push(&mut d, given[1]);
+                // A master that goes by turns goes on with them.
+                let turns = steps.count > 1 && (length - steps.length[1]).abs() <= ALIKE * length;
+                let next = if turns { steps.length[0] } else { length };
+                let even = if next == length { even + 1 } else { 1 };
+                let outlook = self.outlook(lag, w, [&a, &d], &steps.force, even);
+                (outlook, Some(given), next)
+            }
+        }
+    }
+
+    /// Of the step after those with `change`, in which `acting` acted, newest first.
+    fn outlook(
+        &self,
+        lag: Lag,
+        w: f64,
+        change: [&Series<KEPT>; 2],
+        acting: &[f64],
+        even: usize,
+    ) -> Outlook {
+        // The step to come has no force yet.
+        let mut forces = [0.0; KEPT];
+        forces[1..].copy_from_slice(&acting[..KEPT - 1]);
+        let mut changes = [0.0; KEPT];
+        changes[1..].copy_from_slice(&change[0][..KEPT - 1]);
+        let known = self.steps.known(w, &changes, &forces, even);
+        let model = &self.models[lag.index()];
+        let before = w * forces[1];
+        let [a, d] = [0, 1].map(|k| change[k][0] + dot(&model.coefficients[k], &known));
+        Outlook {
+            free: [a + before, d + 0.5 * before],
+            mobility: self.mobility(lag, w),
+        }
+    }
+
+    /// Takes the force that is returned, N.
+    pub fn give(&mut self, force: f64) {
+        push(&mut self.steps.force, force);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP: f64 = 5e-6;
+    const NOMINAL: f64 = 1000.0;
+    const MOBILITY: f64 = 2.5;
+    const SPRING: f64 = 5e8;
+
+    #[test]
+    fn a_given_motion_is_not_taken_for_one_that_follows_the_loads() {
+        for per_step in [0.02, 0.1, 0.3] {
+            let mut master = Master::new(None, 0.0);
+            let omega = per_step / STEP;
+            let at = |n: f64| {
+                let (sin, cos) = (omega * n * STEP).sin_cos();
+                (1e-6 * (1.0 - cos), 1e-6 * omega * sin)
+            };
+            for n in 0..400 {
+                let ((x0, v0), (x1, v1)) = (at(f64::from(n)), at(f64::from(n + 1)));
+                master.give(SPRING * x0);
+                let d = (x1 - x0 - STEP * v0) / (STEP * STEP);
+                master.observe([(v1 - v0) / STEP, d], STEP, MOBILITY, NOMINAL);
+                assert_eq!(master.lag, None, "{per_step} in step {n}");
+            }
+        }
+    }
+}

@@ -1,0 +1,594 @@
+//! Packed units under every kind of master: which loads act in a step, how the bodies move under them, and what hangs on the gears.
+//!
+//! Bodies are linear and move exactly between the loads: along the line of action q, with M q'' + C q' + K q = load - B F and the approaches
+//! B^T q of the meshes. Loads act over the step (theta = 1/2), as an impulse at its begin (1, as in `v += h a; x += h v`) or at its
+//! end (0, the explicit Euler rule).
+
+use super::cosimulation::TABLES;
+use crate::data::{Data, rms};
+use crate::driver::Master;
+use crate::{Context, Result, in_repository};
+use gearmesh::fmi::instance::Instance;
+use gearmesh::fmi::lifecycle::Interface;
+use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
+use gearmesh::fmi::variables::{Kind, VARIABLES, index};
+use gearmesh::table::TableFile;
+use gearmesh_preprocessor::package::Starts;
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// What a unit is told, as the numbers of `coupling` in modelDescription.xml.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Told {
+    Held = 1,
+    Sequential = 2,
+    Parallel = 3,
+    Automatic = 4,
+}
+
+/// The packed pair that all meshes have, and its unit by what it is told.
+pub struct Packed {
+    units: Vec<Arc<Resources>>,
+    /// Of gear 1, m.
+    base_radius: f64,
+    teeth: f64,
+    ratio: f64,
+    /// Effective mass, kg, of both gears; stiffness, N/m, and load, N, on the line of action.
+    mass: f64,
+    stiffness: f64,
+    load: f64,
+    /// Packed step, s.
+    pub step: f64,
+}
+
+impl Packed {
+    /// The shipped pair `name` with both flanks.
+    pub fn new(name: &str) -> Result<Self> {
+        let tables = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
+        let geometry = tables.geometry.clone();
+        let dynamics = Starts::of_tables(&tables)?.dynamics(&geometry);
+        let cosine = geometry
+            .operating_pressure_angle(geometry.center_distance)
+            .cos();
+        let starts = [
+            (index::STIFFNESS_MODEL, 2.0),
+            (index::NOMINAL_TORQUE, tables.nominal_torque_nm),
+            (index::CONSTANT_STIFFNESS, dynamics.stiffness.mean),
+            (index::GEAR2_POSITION_1, geometry.center_distance),
+            (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
+            (index::DAMPING, dynamics.damping),
+            (index::EFFECTIVE_MASS, dynamics.effective_mass),
+            (index::LOADED_FLANK, 3.0),
+            (index::BACKLASH, 100e-6),
+        ];
+        let units = [
+            Told::Held,
+            Told::Sequential,
+            Told::Parallel,
+            Told::Automatic,
+        ]
+        .map(|told| {
+            let starts = starts
+                .into_iter()
+                .chain([(index::COUPLING, f64::from(told as u8))]);
+            let starts: BTreeMap<_, _> = starts
+                .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
+                .collect();
+            let unit = UnitFile {
+                version: UNIT_VERSION,
+                guid: String::new(),
+                name: name.into(),
+                starts,
+                geometry: geometry.clone(),
+            };
+            Resources::new(unit, Some(tables.clone()), None).map(Arc::new)
+        });
+        Ok(Self {
+            units: units.into_iter().collect::<std::result::Result<_, _>>()?,
+            base_radius: geometry.gears[0].base_radius(),
+            teeth: geometry.gears[0].z(),
+            ratio: -geometry.e() * geometry.gears[0].z() / geometry.gears[1].z(),
+            mass: dynamics.effective_mass,
+            stiffness: dynamics.stiffness.mean / cosine.powi(2),
+            load: tables.nominal_torque_nm / geometry.gears[0].base_radius(),
+            step: dynamics.step(),
+        })
+    }
+
+    fn omega(&self) -> f64 {
+        (self.stiffness / self.mass).sqrt()
+    }
+
+    /// Both gears as steel bodies, of equal masses.
+    fn gear(&self) -> f64 {
+        2.0 * self.mass
+    }
+}
+
+/// Linear bodies and the meshes between them.
+#[derive(Clone)]
+pub struct Bodies {
+    pub name: &'static str,
+    mass: DVector<f64>,
+    stiffness: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    /// Columns: meshes.
+    meshes: DMatrix<f64>,
+    load: DVector<f64>,
+    /// Mesh frequency, or those between which a sweep goes up and down, over that of the mode.
+    sweep: Option<[f64; 2]>,
+    /// More than both gears hangs on the meshes: errors may be larger.
+    pub train: bool,
+}
+
+impl Bodies {
+    fn new(name: &'static str, mass: &[f64], meshes: &[(usize, &[(usize, f64)])]) -> Self {
+        let n = mass.len();
+        let mut all = DMatrix::zeros(n, meshes.len());
+        for (mesh, parts) in meshes {
+            for (body, sign) in *parts {
+                all[(*body, *mesh)] = *sign;
+            }
+        }
+        Self {
+            name,
+            mass: DVector::from_row_slice(mass),
+            stiffness: DMatrix::zeros(n, n),
+            damping: DMatrix::zeros(n, n),
+            meshes: all,
+            load: DVector::zeros(n),
+            sweep: None,
+            train: false,
+        }
+    }
+
+    /// A spring of `stiffness`, N/m, and a damping ratio with the `mass` it carries, kg, between two bodies or to the ground.
+    fn spring(mut self, ends: &[(usize, f64)], stiffness: f64, zeta: f64, mass: f64) -> Self {
+        let mut row = DVector::zeros(self.mass.len());
+        for (body, sign) in ends {
+            row[*body] = *sign;
+        }
+        let square = &row * row.transpose();
+        self.damping += &square * (2.0 * zeta * (stiffness * mass).sqrt());
+        self.stiffness += square * stiffness;
+        self
+    }
+
+    fn loaded(mut self, loads: &[(usize, f64)]) -> Self {
+        for (body, load) in loads {
+            self.load[*body] = *load;
+        }
+        self
+    }
+
+    /// Both gears alone.
+    pub fn pair(p: &Packed) -> Self {
+        let (m, load) = (p.gear(), p.load);
+        Self::new("pair", &[m, m], &[(0, &[(0, 1.0), (1, -1.0)])]).loaded(&[(0, load), (1, -load)])
+    }
+
+    /// The same through the resonance with separation and back.
+    pub fn swept(p: &Packed) -> Self {
+        let mut bodies = Self::pair(p);
+        (bodies.name, bodies.sweep) = ("run-up and run-down", Some([0.6, 1.1]));
+        bodies
+    }
+
+    /// Two stages with a shaft of `torsion` N m/rad between them.
+    pub fn stages(p: &Packed, name: &'static str, torsion: f64, zeta: f64) -> Self {
+        let (m, load) = (p.gear(), p.load);
+        let meshes: [(usize, &[(usize, f64)]); 2] =
+            [(0, &[(0, 1.0), (1, -1.0)]), (1, &[(2, 1.0), (3, -1.0)])];
+        let shaft = torsion / p.base_radius.powi(2);
+        let mut bodies = Self::new(name, &[m; 4], &meshes)
+            .spring(&[(1, 1.0), (2, -1.0)], shaft, zeta, 0.5 * m)
+            .loaded(&[(0, load), (3, -load)]);
+        bodies.train = true;
+        bodies
+    }
+
+    /// Both gears spin, and modes on bearings of damping ratio 0.0006 move the mesh besides.
+    pub fn bearings(p: &Packed) -> Self {
+        let (m, load) = (p.gear(), p.load);
+        let masses = [m, m, 2.0 * m, 2.0 * m, 2.0 * m, 2.0 * m, 2.0 * m];
+        let parts = [1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+        let parts: Vec<(usize, f64)> = parts.into_iter().enumerate().collect();
+        let mut bodies =
+            Self::new("bearings", &masses, &[(0, &parts)]).loaded(&[(0, load), (1, -load)]);
+        for (body, hertz) in [(2, 2e3), (3, 5e3), (4, 9e3), (5, 20e3), (6, 33e3)] {
+            let stiffness = 2.0 * m * (TAU * hertz).powi(2);
+            bodies = bodies.spring(&[(body, 1.0)], stiffness, 6e-4, 2.0 * m);
+        }
+        bodies.train = true;
+        bodies
+    }
+
+    /// A sun, three planets on pins in a heavy carrier, and a ring that stands: six meshes.
+    pub fn planetary(p: &Packed) -> Self {
+        const PLANETS: usize = 3;
+        let (m, load) = (p.gear(), p.load);
+        // Sun, spin of the planets, their way with the carrier, carrier.
+        let carrier = 2 * PLANETS + 1;
+        let mut masses = vec![m; 1 + PLANETS];
+        masses.extend([1.4 * m; PLANETS]);
+        masses.push(10.0 * m);
+        let parts: Vec<Vec<(usize, f64)>> = (0..PLANETS)
+            .map(|i| vec![(0, 1.0), (1 + i, -1.0), (1 + PLANETS + i, -1.0)])
+            .chain((0..PLANETS).map(|i| vec![(1 + i, -1.0), (1 + PLANETS + i, 1.0)]))
+            .collect();
+        let meshes: Vec<(usize, &[(usize, f64)])> = parts
+            .iter()
+            .enumerate()
+            .map(|(j, parts)| (j, &parts[..]))
+            .collect();
+        let loads = [(0, 3.0 * load), (carrier, -6.0 * load)];
+        let mut bodies = Self::new("planetary", &masses, &meshes).loaded(&loads);
+        for i in 0..PLANETS {
+            let ends = [(1 + PLANETS + i, 1.0), (carrier, -1.0)];
+            bodies = bodies.spring(&ends, 2e8, 2e-3, 1.4 * m);
+        }
+        bodies.train = true;
+        bodies
+    }
+}
+
+/// Of the fine steps that times are counted in, in a packed step.
+const TICKS: usize = 20;
+
+/// How a master steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    pub told: Told,
+    pub master: Master,
+    /// 0, 1/2 or 1.
+    pub theta: f64,
+    /// Lengths of the steps by turns, in ticks.
+    pub steps: [usize; 2],
+}
+
+/// Rising time of the load and length of a run, s.
+const RISE: f64 = 2e-3;
+const DURATION: f64 = 8e-3;
+/// Mesh cycles of a planet's meshes against those of the first one.
+const PHASE: f64 = 0.3;
+
+/// One unit and its gear 1 and gear 2 as they turn.
+struct Mesh {
+    unit: Instance,
+}
+
+impl Mesh {
+    fn new(p: &Packed, told: Told) -> Result<Self> {
+        let resources = p.units[told as usize - 1].clone();
+        let mut unit = Instance::new(resources, Interface::CoSimulation);
+        unit.setup(0.0, None)?;
+        unit.exit_initialization()?;
+        Ok(Self { unit })
+    }
+
+    /// Force on the line of action for a step of `step` s at the `approach` and its rate, while both gears turn by `angle` at `speed`.
+    fn step(
+        &mut self,
+        p: &Packed,
+        [angle, speed]: [f64; 2],
+        [approach, rate]: [f64; 2],
+        step: f64,
+    ) -> Result<f64> {
+        let inputs = [
+            (index::GEAR1_ANGLES_3, angle + approach / p.base_radius),
+            (
+                index::GEAR1_ANGULAR_VELOCITY_3,
+                speed + rate / p.base_radius,
+            ),
+            (index::GEAR2_ANGLES_3, p.ratio * angle),
+            (index::GEAR2_ANGULAR_VELOCITY_3, p.ratio * speed),
+        ];
+        let references = inputs.map(|(i, _)| VARIABLES[i].value_reference);
+        self.unit
+            .set(Kind::Real, &references, &inputs.map(|(_, x)| x))?;
+        self.unit.do_step(self.unit.time(), step)?;
+        let mut moment = 0.0;
+        let reference = [VARIABLES[index::GEAR1_MOMENT_3].value_reference];
+        self.unit.get(Kind::Real, &reference, |x| moment = x)?;
+        Ok(-moment / p.base_radius)
+    }
+}
+
+/// Angle and speed of gear 1, rad and rad/s, at `t` s in a run of `duration` s with `cycles` mesh cycles a second, or in its sweep.
+fn turning(p: &Packed, bodies: &Bodies, cycles: f64, t: f64, duration: f64) -> [f64; 2] {
+    let Some(sweep) = bodies.sweep else {
+        let speed = cycles * TAU / p.teeth;
+        return [speed * t, speed];
+    };
+    let [low, high] = sweep.map(|ratio| ratio * p.omega() / p.teeth);
+    let (mean, swing) = (0.5 * (low + high), 0.5 * (high - low));
+    let rate = TAU / duration;
+    [
+        mean * t - swing / rate * (rate * t).sin(),
+        mean - swing * (rate * t).cos(),
+    ]
+}
+
+/// Approaches of all meshes by tick, where a step starts; `None`: the motion ran away.
+type Course = Option<Vec<(usize, Vec<f64>)>>;
+
+/// Runs `bodies` in steps of `tick` s times those of `way`, with `cycles` mesh cycles a second.
+fn run(
+    p: &Packed,
+    bodies: &Bodies,
+    way: Way,
+    tick: f64,
+    cycles: f64,
+    duration: f64,
+) -> Result<Course> {
+    let (n, count) = bodies.meshes.shape();
+    let inverse = bodies.mass.map(f64::recip);
+    let flows = way.steps.map(|ticks| {
+        let h = tick * ticks as f64;
+        let mut a = DMatrix::zeros(3 * n, 3 * n);
+        for i in 0..n {
+            a[(i, n + i)] = h;
+            a[(n + i, 2 * n + i)] = h * inverse[i];
+            for j in 0..n {
+                a[(n + i, j)] = -h * inverse[i] * bodies.stiffness[(i, j)];
+                a[(n + i, n + j)] = -h * inverse[i] * bodies.damping[(i, j)];
+            }
+        }
+        (h, a.exp())
+    });
+    let mut meshes = (0..count)
+        .map(|_| Mesh::new(p, way.told))
+        .collect::<Result<Vec<_>>>()?;
+    let mut state = DVector::zeros(2 * n);
+    let mut late: Option<DVector<f64>> = None;
+    let mut course = vec![];
+    let (mut ticks, mut turn) = (0, 0);
+    while (ticks as f64) * tick < duration {
+        let t = ticks as f64 * tick;
+        let (h, flow) = &flows[turn % 2];
+        let approach = bodies.meshes.tr_mul(&state.rows(0, n));
+        let rate = bodies.meshes.tr_mul(&state.rows(n, n));
+        if approach.amax() > 1e-3 {
+            return Ok(None);
+        }
+        let [angle, speed] = turning(p, bodies, cycles, t, duration);
+        let mut force = DVector::zeros(count);
+        for (j, mesh) in meshes.iter_mut().enumerate() {
+            let shifted = angle + j as f64 * PHASE * TAU / p.teeth;
+            force[j] = mesh.step(p, [shifted, speed], [approach[j], rate[j]], *h)?;
+        }
+        course.push((ticks, approach.iter().copied().collect()));
+        let before = late.replace(force.clone());
+        let acting = match way.master {
+            Master::Sequential => force,
+            Master::Parallel => before.unwrap_or(force),
+        };
+        let share = ((t + 0.5 * h) / RISE).min(1.0);
+        let load = &bodies.load * share - &bodies.meshes * acting;
+        let mut whole = DVector::zeros(3 * n);
+        let kick = load.component_mul(&inverse) * *h;
+        whole.rows_mut(0, 2 * n).copy_from(&state);
+        if way.theta == 0.5 {
+            whole.rows_mut(2 * n, n).copy_from(&load);
+        } else if way.theta == 1.0 {
+            let mut rates = whole.rows_mut(n, n);
+            rates += &kick;
+        }
+        let moved = flow * whole;
+        state.copy_from(&moved.rows(0, 2 * n));
+        if way.theta == 0.0 {
+            let mut rates = state.rows_mut(n, n);
+            rates += &kick;
+        }
+        ticks += way.steps[turn % 2];
+        turn += 1;
+    }
+    Ok(Some(course))
+}
+
+/// rms error of the approach over its standard deviation, worst mesh, %: over the run, and after the load has risen and settled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    pub whole: f64,
+    pub steady: f64,
+}
+
+fn errors(found: &Course, exact: &[(usize, Vec<f64>)]) -> Option<Errors> {
+    let found = found.as_ref()?;
+    let last = exact.last().map_or(0, |(tick, _)| *tick);
+    let over = |from: usize| {
+        let rows = || {
+            found
+                .iter()
+                .filter(move |(tick, _)| *tick >= from && *tick <= last)
+        };
+        let worst = (0..exact[0].1.len()).map(|j| {
+            let off = rms(rows().map(|(tick, x)| x[j] - exact[*tick].1[j]));
+            let all = || exact[from..].iter().map(move |(_, x)| x[j]);
+            let mean = crate::data::mean(all());
+            100.0 * off / rms(all().map(|x| x - mean))
+        });
+        worst.fold(0.0, f64::max)
+    };
+    Some(Errors {
+        whole: over(0),
+        steady: over(last * 6 / 10),
+    })
+}
+
+/// A system, its exact course, and how often it was asked for.
+pub struct Case<'a> {
+    packed: &'a Packed,
+    pub bodies: Bodies,
+    tick: f64,
+    cycles: f64,
+    duration: f64,
+    exact: Vec<(usize, Vec<f64>)>,
+}
+
+impl<'a> Case<'a> {
+    /// With so many packed steps in a mesh cycle.
+    pub fn new(packed: &'a Packed, bodies: Bodies, steps: f64) -> Result<Self> {
+        let tick = packed.step / TICKS as f64;
+        let cycles = 1.0 / (steps * packed.step);
+        let duration = if bodies.sweep.is_some() {
+            5.0 * DURATION
+        } else {
+            DURATION
+        };
+        let way = Way {
+            told: Told::Sequential,
+            master: Master::Sequential,
+            theta: 0.5,
+            steps: [1, 1],
+        };
+        let exact = run(packed, &bodies, way, tick, cycles, duration)?;
+        let exact = exact.ok_or_else(|| format!("{}: no exact course", bodies.name))?;
+        Ok(Self {
+            packed,
+            bodies,
+            tick,
+            cycles,
+            duration,
+            exact,
+        })
+    }
+
+    /// `None`: unstable.
+    pub fn errors(&self, way: Way) -> Result<Option<Errors>> {
+        let found = run(
+            self.packed,
+            &self.bodies,
+            way,
+            self.tick,
+            self.cycles,
+            self.duration,
+        )?;
+        Ok(errors(&found, &self.exact))
+    }
+}
+
+/// Steps by turns: alike, and one in ten.
+pub const ALIKE: [usize; 2] = [TICKS, TICKS];
+pub const BY_TURNS: [usize; 2] = [TICKS, TICKS / 10];
+
+/// Everything that hangs on the gears.
+pub fn systems(p: &Packed) -> Vec<Bodies> {
+    vec![
+        Bodies::pair(p),
+        Bodies::swept(p),
+        Bodies::stages(p, "two stages, 3.35e5 N m/rad, 0.5 %", 3.35e5, 5e-3),
+        Bodies::stages(p, "two stages, 1e7 N m/rad, 0.1 %", 1e7, 1e-3),
+        Bodies::stages(p, "two stages, 2e7 N m/rad, 2 %", 2e7, 2e-2),
+        Bodies::bearings(p),
+        Bodies::planetary(p),
+    ]
+}
+
+/// Largest departure of the force from that of held loads along a given motion, over the nominal load, %.
+pub fn given(p: &Packed, steps: f64, lengths: [usize; 2]) -> Result<f64> {
+    let tick = p.step / TICKS as f64;
+    let omega = TAU / (steps * p.step);
+    let deflection = p.load / p.stiffness;
+    let course = |told: Told| -> Result<Vec<f64>> {
+        let mut mesh = Mesh::new(p, told)?;
+        let (mut ticks, mut turn, mut forces) = (0, 0, vec![]);
+        while (ticks as f64) * tick < DURATION {
+            let t = ticks as f64 * tick;
+            let speed = omega / p.teeth;
+            let phase = omega * t;
+            // Rising to the nominal load, and swinging with the mesh.
+            let rise = 0.5 - 0.5 * (PI * (t / RISE).min(1.0)).cos();
+            let rising = if t < RISE {
+                0.5 * PI / RISE * (PI * t / RISE).sin()
+            } else {
+                0.0
+            };
+            let swing = 1.0 + 0.2 * phase.sin();
+            let motion = [
+                deflection * rise * swing,
+                deflection * (rising * swing + rise * 0.2 * omega * phase.cos()),
+            ];
+            let h = tick * lengths[turn % 2] as f64;
+            forces.push(mesh.step(p, [speed * t, speed], motion, h)?);
+            ticks += lengths[turn % 2];
+            turn += 1;
+        }
+        Ok(forces)
+    };
+    let (held, found) = (course(Told::Held)?, course(Told::Automatic)?);
+    let off = held.iter().zip(&found).map(|(a, b)| (a - b).abs());
+    Ok(100.0 * off.fold(0.0, f64::max) / p.load)
+}
+
+/// Packed steps in a mesh cycle.
+pub const STEPS: [f64; 5] = [10.0, 20.0, 40.0, 80.0, 160.0];
+
+pub fn report(context: &Context, data: &Data) -> Result<()> {
+    let p = Packed::new(TABLES[2])?;
+    let mut rows = vec![];
+    let steps = if context.quick { &STEPS[4..] } else { &STEPS };
+    for bodies in systems(&p) {
+        let swept = bodies.sweep.is_some();
+        for &count in if swept { &STEPS[4..] } else { steps } {
+            let case = Case::new(&p, bodies.clone(), count)?;
+            for (kind, lengths) in [("alike", ALIKE), ("h, h/10", BY_TURNS)] {
+                if lengths == BY_TURNS && count < 160.0 {
+                    continue;
+                }
+                for (master, known) in [
+                    (Master::Sequential, Told::Sequential),
+                    (Master::Parallel, Told::Parallel),
+                ] {
+                    for theta in [0.0, 0.5, 1.0] {
+                        let find = |told: Told| {
+                            case.errors(Way {
+                                told,
+                                master,
+                                theta,
+                                steps: lengths,
+                            })
+                        };
+                        let [held, known, found] =
+                            [find(Told::Held)?, find(known)?, find(Told::Automatic)?];
+                        let cell = |e: Option<Errors>, part: fn(Errors) -> f64| {
+                            e.map_or("unstable".into(), |e| format!("{:.3}", part(e)))
+                        };
+                        let whole: fn(Errors) -> f64 = |e| e.whole;
+                        let steady: fn(Errors) -> f64 = |e| e.steady;
+                        let cycle = if swept {
+                            "sweep".into()
+                        } else {
+                            format!("{count}")
+                        };
+                        rows.push(format!(
+                            "{} | {cycle} | {kind} | {master:?} | {theta} | {} | {} | {} | {} | {} | {}",
+                            case.bodies.name,
+                            cell(held, whole),
+                            cell(known, whole),
+                            cell(found, whole),
+                            cell(held, steady),
+                            cell(known, steady),
+                            cell(found, steady),
+                        ));
+                    }
+                }
+            }
+        }
+    }
+    let head = "system | steps a mesh cycle | steps | master | theta | held, % | known, % | automatic, % | held, steady, % \
+        | known, steady, % | automatic, steady, %";
+    data.table("masters", head, &rows)?;
+    let mut rows = vec![];
+    for &count in steps {
+        let [alike, turns] = [given(&p, count, ALIKE)?, given(&p, count, BY_TURNS)?];
+        rows.push(format!("{count} | {alike:.2e} | {turns:.2e}"));
+    }
+    data.table(
+        "given-motion",
+        "steps a mesh cycle | alike, % | h and h/10, %",
+        &rows,
+    )
+}

@@ -51,18 +51,20 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         let degree = NF - 1;
         let nodes = &grid.axes.displacement_fraction;
         let (_, along_u) = axis::<NF>(nodes, Ends::Onset, Axis::Displacement.name())?;
-        let mut others = Others::<N>::new(grid.axes.nodes())?;
-        // Those of centre distance and misalignment.
-        for basis in &mut others.bases[..2] {
-            basis.reach = [SHAPE_REACH * basis.range(); 2];
-        }
+        let others = Others::<N>::new(grid.axes.nodes())?;
         let along_all = |samples: &[f64]| others.fit(&grid.block(samples), Some(&along_u));
         let force = along_all(&grid.loa_force);
         let force = force.mapped(2, force.lengths[2], |mut line| {
             make_increasing(&mut line[degree..]);
             line
         });
-        let force = keep_increasing_beyond(&others.bases, &force);
+        let mut bases = others.bases.clone();
+        // Those of centre distance and misalignment.
+        for (axis, basis) in bases[..2].iter_mut().enumerate() {
+            basis.reach = [SHAPE_REACH * basis.range(); 2];
+            shorten_reach(basis, axis, &force);
+        }
+        let force = keep_increasing_beyond(&bases, &force);
         let own_moment = (grid.moment.as_ref()).filter(|_| grid.axes.misalignment.len() == 1);
         let [no_load, span] = grid.fields().map(|field| others.fit(&field, None));
         let parts = Parts {
@@ -73,7 +75,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
             span,
             top: 1.0,
         };
-        Self::assembled(others.bases, parts)
+        Self::assembled(bases, parts)
     }
 
     fn assembled([c, m, p]: [Basis<N>; 3], parts: Parts<'_>) -> Result<Self, TableError> {
@@ -226,6 +228,11 @@ impl<const N: usize> Tensor<3, N> {
 const SHAPE_REACH: f64 = 0.5;
 const SPAN_REACH: f64 = 1.25;
 
+/// How often the reach of the shape is halved where the fit would have to give up more than this share of the largest force for it: at an
+/// end far beyond what the teeth give way, where they barely touch.
+const HALVINGS: i32 = 6;
+const MOST_GIVEN_UP: f64 = 4e-3;
+
 /// An end of a bounded axis: its last coefficient, the one before, and how many times their difference the continuation adds
 /// to the last one until it has levelled out.
 struct End {
@@ -238,11 +245,49 @@ fn ends<const N: usize>(basis: &Basis<N>, n: usize) -> Vec<End> {
     let end = |end: usize, last, before| End {
         last,
         before,
-        gain: 0.5 * basis.reach[end] * basis.steepness(end),
+        // A little more than it adds, so that rounding takes nothing below zero.
+        gain: (1.0 + 1e-9) * 0.5 * basis.reach[end] * basis.steepness(end),
     };
     match basis.present() {
         true => vec![end(0, 0, 1), end(1, n - 1, n - 2)],
         false => Vec::new(),
+    }
+}
+
+/// Halves the reach of `basis`, that of `axis`, at an end where [`keep_increasing_beyond`] would change the coefficients `force` over u by
+/// more than [`MOST_GIVEN_UP`].
+fn shorten_reach<const N: usize>(basis: &mut Basis<N>, axis: usize, force: &Block) {
+    let largest = force.values.iter().copied().fold(0.0, f64::max);
+    let (over, along_u, n) = (force.stride(axis), force.stride(2), force.lengths[2]);
+    for k in 0..ends(basis, force.lengths[axis]).len() {
+        for _ in 0..HALVINGS {
+            let end = &ends(basis, force.lengths[axis])[k];
+            let increment = |i: usize, r: usize| {
+                let before = if r == 0 {
+                    0.0
+                } else {
+                    force.values[i - along_u]
+                };
+                force.values[i] - before
+            };
+            let given_up = |start: usize| -> f64 {
+                (0..n)
+                    .map(|r| {
+                        let [last, before] = [end.last, end.before]
+                            .map(|k| increment(start + k * over + r * along_u, r));
+                        (before - last * (1.0 + 1.0 / end.gain)).max(0.0)
+                    })
+                    .sum()
+            };
+            let lines = force
+                .lines(axis)
+                .into_iter()
+                .filter(|start| start / along_u % n == 0);
+            if lines.map(given_up).fold(0.0, f64::max) <= MOST_GIVEN_UP * largest {
+                break;
+            }
+            basis.reach[k] *= 0.5;
+        }
     }
 }
 

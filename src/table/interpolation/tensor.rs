@@ -279,10 +279,7 @@ fn shorten_reach<const N: usize>(basis: &mut Basis<N>, axis: usize, force: &Bloc
                     })
                     .sum()
             };
-            let lines = force
-                .lines(axis)
-                .into_iter()
-                .filter(|start| start / along_u % n == 0);
+            let lines = force.lines(axis).filter(|start| start / along_u % n == 0);
             if lines.map(given_up).fold(0.0, f64::max) <= MOST_GIVEN_UP * largest {
                 break;
             }

@@ -5,9 +5,10 @@ use std::path::Path;
 use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh::words::{number, rounded};
+use gearmesh::words::{number, rounded, shown};
 use gearmesh_preprocessor::contact::CycleInput;
 use gearmesh_preprocessor::pair::PairDraft;
+use gearmesh_preprocessor::storage::csv_reader;
 
 use super::statistics::{Best, Measure, Outcome, Sample, Statistics};
 use super::variation::Plan;
@@ -239,45 +240,74 @@ impl Setup {
             format!("{path}: {what}; name another folder, or begin anew with --restart")
         };
         let text = output::read_text(path)?;
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let mut reader = csv_reader(&text);
         let columns = self.columns();
-        if (reader.headers()?.iter()).ne(columns.iter().map(|column| &*column.name)) {
+        let header = reader
+            .headers()
+            .map_err(|error| wrong(&error.to_string()))?;
+        if (header.iter()).ne(columns.iter().map(|column| &*column.name)) {
             return Err(wrong("columns of another study").into());
         }
         let last = columns.len() - 1;
         let results = last - self.outcomes.len();
         let fields = results - self.plan.fields.len();
+        let ids = if self.plan.grid.is_empty() { 1 } else { 2 };
         let mut samples: Vec<Sample> = Vec::new();
         for record in reader.records() {
-            let record = record?;
+            let record = record.map_err(|error| wrong(&error.to_string()))?;
+            let line = record.position().map_or(0, csv::Position::line);
             let error = &record[last];
-            // A refused sample has no results.
-            let number = |(k, text): (usize, &str)| match text {
-                "" if k >= results && !error.is_empty() => Ok(f64::NAN),
-                _ => (text.parse::<f64>()).map_err(|_| wrong(&format!("`{text}` is no number"))),
+            let refused = |k: usize, what: &str| {
+                let (name, text) = (&columns[k].name, shown(&record[k]));
+                wrong(&format!("line {line}: {name} = {text}: {what}"))
             };
-            let numbers = record.iter().take(last).enumerate().map(number);
-            let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
-            let [point, number] = match self.plan.grid.is_empty() {
-                true => [0, numbers[0] as usize],
-                false => [numbers[0], numbers[1]].map(|number| number as usize),
+            let whole = |k: usize| {
+                (record[k].parse::<usize>()).map_err(|_| refused(k, "not a whole number"))
             };
-            let found = numbers[results..].to_vec();
+            let number = |k: usize| match record[k].parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(value),
+                // A refused sample has no results.
+                Err(_) if k >= results && record[k].is_empty() && !error.is_empty() => Ok(f64::NAN),
+                _ => Err(refused(k, "not a finite number")),
+            };
+            let number_of = ids - 1;
+            let point = if ids == 2 { whole(0)? } else { 0 };
+            let sample = whole(number_of)?;
+            let numbers: Vec<f64> = (fields..last).map(number).collect::<Result<_, _>>()?;
+            let (values, found) = numbers.split_at(results - fields);
             match samples.last_mut() {
                 // Another torque of the same sample.
-                Some(s) if (s.point, s.number) == (point, number) => {
-                    s.outcome.iter_mut().for_each(|all| all.push(found.clone()));
+                Some(s) if (s.point, s.number) == (point, sample) => {
+                    s.outcome.iter_mut().for_each(|all| all.push(found.into()));
                 }
                 _ => samples.push(Sample {
                     point,
-                    number,
-                    fields: numbers[fields..results].into(),
+                    number: sample,
+                    fields: values.into(),
                     outcome: match error {
-                        "" => Ok(vec![found]),
+                        "" => Ok(vec![found.into()]),
                         error => Err(error.into()),
                     },
                 }),
             }
+            let rows = samples
+                .last()
+                .and_then(|s| s.outcome.as_ref().ok())
+                .map_or(1, Vec::len);
+            if rows > self.torques.len() {
+                return Err(
+                    refused(number_of, "stands in more rows than there are torques").into(),
+                );
+            }
+        }
+        let torques = self.torques.len();
+        let is_short = |s: &&Sample| s.outcome.as_ref().is_ok_and(|all| all.len() < torques);
+        if let Some(s) = samples.iter().find(is_short) {
+            let (point, sample) = (s.point, s.number);
+            return Err(wrong(&format!(
+                "sample {sample} of point {point} has fewer rows than the {torques} torques"
+            ))
+            .into());
         }
         Ok(samples)
     }

@@ -29,11 +29,32 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
     contains!(succeed(study("parts", "--samples 10")), "1 refused");
     succeed(study("parts", "--samples 11"));
     assert!(table("parts").starts_with(&quoted));
-    folder.write("parts/samples.csv", row(",,,,,,,"));
-    refused(
-        study("parts", "--samples 10"),
-        &["`` is no number", "--restart"],
-    );
+    // Rows that cannot be the program's own are refused by file and line, and read as nothing else.
+    let zero = |results: &str| row(&format!(",{results},"));
+    for (damaged, words) in [
+        (row(",,,,,,,"), ["line 12: ", "not a finite number"]),
+        (
+            zero("1,2,3,4,5,NaN"),
+            ["face_load_factor = NaN", "not a finite number"],
+        ),
+        (
+            zero("inf,2,3,4,5,6"),
+            ["line 12: ", "_um = inf: not a finite number"],
+        ),
+        (row(",1"), ["line: 12", "fields"]),
+        (
+            solved.replace("\n3,", "\n-3,"),
+            ["line 5: sample = -3", "whole number"],
+        ),
+        (
+            format!("{solved}{last}\n"),
+            ["line 13: sample = 10", "more rows"],
+        ),
+    ] {
+        let file = folder.write("parts/samples.csv", damaged);
+        let line = study("parts", "--samples 10");
+        refused(line, &[&file, words[0], words[1], "--restart"]);
+    }
     folder.write("parts/samples.csv", &solved);
 
     // The pair as drawn is sample 0; slope and misalignment gather the load at an end of the face.

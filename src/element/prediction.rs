@@ -115,7 +115,7 @@ pub struct Prediction {
     pub outputs: Outputs,
     /// For the step in which they act.
     pub loads: Loads,
-    /// For the next prediction; `None`: the gears are out of reach of one another.
+    /// For the next prediction; `None`: loads are held, or the gears out of reach of one another.
     pub history: Option<History>,
 }
 
@@ -182,7 +182,8 @@ impl Element {
             loads: Loads::at(&outputs),
             history: None,
         };
-        let Some(mesh) = &solution.mesh else {
+        let Some(mesh) = (solution.mesh.as_ref()).filter(|_| request.coupling != Coupling::Held)
+        else {
             return Ok(prediction);
         };
         let force = mesh.force_along_turn();

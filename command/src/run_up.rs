@@ -252,7 +252,7 @@ impl<'a> Summary<'a> {
                 rows.row(
                     format!("{name}: outside the range of the tables"),
                     format!(
-                        "{:.1} % of the time, between {low:.0} and {high:.0} rpm: loads there are continued linearly; build tables for larger \
+                        "{:.1} % of the time, between {low:.0} and {high:.0} rpm: loads there are extrapolated; build tables for larger \
                          loads (maximum_torque_nm)",
                         100.0 * share
                     ),

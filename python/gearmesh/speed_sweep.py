@@ -107,7 +107,7 @@ def run_up(
             f"{name}: {100.0 * share[name]:.1f} % of the time, between {way[0]:.0f} and {way[1]:.0f} rpm"
             for name, way in ((name, found[name]["out_of_range_rpm"]) for name in share if share[name])
         )
-        warnings.warn(f"poses or loads outside the range of the tables ({between}): loads there are continued linearly", stacklevel=2)
+        warnings.warn(f"poses or loads outside the range of the tables ({between}): loads there are extrapolated", stacklevel=2)
     numbers = (found[name] for name in ("natural_frequency_hz", "resonance_rpm", "damping_n_s_per_m", "step_s", "sweep_s"))
     return RunUp(up, down, *numbers)
 

@@ -89,7 +89,7 @@ pub struct Potential {
     /// line of action, is always there, the rest zero unless requested. Symmetric, but for row 2 where
     /// the moment is not dW/dM: tables without a misalignment axis, and constant load.
     pub hessian: [[f64; COORDINATES]; COORDINATES],
-    /// True where a coordinate lies outside the table's range (continued linearly).
+    /// True where a coordinate lies outside the table's range.
     pub out_of_range: bool,
 }
 

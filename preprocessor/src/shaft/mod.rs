@@ -311,7 +311,7 @@ impl Shafts {
 
     /// Contact of `problem` (of `solver` on `flank` at `mesh_position`, without deflection) under `torque` (N m on gear 1) and, with the
     /// shafts unloaded, `misalignment` (rad), in equilibrium with the shafts: their closing under the forces of the contact is that under
-    /// which it was solved, to [`TOLERANCE`]. `before` is a solution nearby.
+    /// which it was solved, to a nanometre and a hundred-thousandth of the range of the closing. `before` is a solution nearby.
     ///
     /// Newton's iteration on the closing, in which teeth give way about as a row of springs. `problem` is left without deflection.
     ///

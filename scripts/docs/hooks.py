@@ -64,7 +64,7 @@ def run(*arguments: str) -> str:
 def commands() -> str:
     """A section for every subcommand, in the order of the help."""
     listed = run("--help").partition("Commands:\n")[2].partition("\n\n")[0]
-    names = [name for name in re.findall(r"^  (\w+)", listed, re.M) if name != "help"]
+    names = [name for name in re.findall(r"^  ([\w-]+)", listed, re.M) if name != "help"]
     return "\n\n".join(f"## gearmesh {name}\n\n```text\n{wrapped(run(name, '--help'))}\n```" for name in names)
 
 

@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import json
 import logging
+import os
 import shutil
 import tempfile
 import threading
@@ -77,6 +78,7 @@ class GearPair:
         unpacked = _Unpacked.of(fmu)
         description, self.geometry = unpacked.description, unpacked.geometry
         self._variables = {v.name: v for v in description.modelVariables}
+        here = Path.cwd()
         try:
             instance: Any = INTERFACES[interface](  # of fmpy, which has no types
                 guid=description.guid,
@@ -85,6 +87,7 @@ class GearPair:
                 instanceName=Path(fmu).stem,
             )
         except Exception as error:
+            os.chdir(here)  # fmpy loads the library from its folder and stays there when that fails
             raise GearPairError(f"{fmu}: its library for this platform cannot be loaded: {error}; `gearmesh inspect` lists its platforms") from error
         # fmpy's own callbacks print; these keep the causes of refusals. The FMU needs no other callback.
         self._log = log = deque[str](maxlen=8)

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import threading
 import zipfile
+from pathlib import Path
 from concurrent.futures import ThreadPoolExecutor
 
 import gearmesh
@@ -393,7 +394,7 @@ def no_fmus(folder, fmu):
 
 
 def test_a_file_that_is_no_fmu_is_refused_by_name_and_leaves_no_files(fmu, tmp_path, unpacked):
-    folder = tmp_path / "files"
+    folder, here = tmp_path / "files", Path.cwd()
     folder.mkdir()
     for file in no_fmus(folder, fmu):
         with pytest.raises(GearPairError) as refused:
@@ -402,3 +403,4 @@ def test_a_file_that_is_no_fmu_is_refused_by_name_and_leaves_no_files(fmu, tmp_p
         refused = None
         gc.collect()
         assert not unpacked(), file
+        assert Path.cwd() == here, file

@@ -152,11 +152,7 @@ fn level_error(
     tables: Option<&TableFile>,
     contact: Option<&InterpolationError>,
 ) -> String {
-    let start = |i: usize| {
-        let own = unit.starts.get(VARIABLES[i].name).copied();
-        own.or(VARIABLES[i].start).unwrap_or(0.0)
-    };
-    let item = |i: usize| start_in_words(VARIABLES[i].name, start(i));
+    let item = |i: usize| start_in_words(VARIABLES[i].name, unit.start(&VARIABLES[i]));
     let level = item(index::STIFFNESS_MODEL);
     let error = match (&*level, tables) {
         ("contact", _) => run_time_error(contact),
@@ -173,7 +169,7 @@ fn level_error(
                 (index::CENTER_DISTANCE_EFFECT, distances),
                 (index::MISALIGNMENT_EFFECT, misalignments),
             ] {
-                if start(i) == 0.0 && nodes > 1 {
+                if unit.start(&VARIABLES[i]) == 0.0 && nodes > 1 {
                     less.push(format!("{} = false", VARIABLES[i].name));
                 }
             }

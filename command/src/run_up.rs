@@ -99,6 +99,7 @@ impl RunUpCommand {
                 output::make_folder(option, folder)?;
             }
         }
+        let origin = origin(&self.fmu)?;
         let found = package::inspect(&self.fmu)?;
         let mut unit = found.unit;
         unit.starts.extend(self.set.iter().map(Setting::start));
@@ -108,10 +109,6 @@ impl RunUpCommand {
             .map(TableFile::from_json)
             .transpose()?;
         let geometry = &unit.geometry;
-        let start = |i: usize| {
-            let own = unit.starts.get(VARIABLES[i].name).copied();
-            own.or(VARIABLES[i].start).unwrap_or(0.0)
-        };
         let bodies = || {
             geometry
                 .gears
@@ -124,7 +121,7 @@ impl RunUpCommand {
             damping_ratio: self.damping_ratio,
             torque: self
                 .torque_nm
-                .unwrap_or_else(|| start(index::NOMINAL_TORQUE)),
+                .unwrap_or_else(|| unit.start(&VARIABLES[index::NOMINAL_TORQUE])),
             speeds: [0.0; 2],
             duration: self.sweep_s,
             step: self.step_s,
@@ -153,7 +150,7 @@ impl RunUpCommand {
         let summary = Summary::new(&sweep, &run);
         let page = Page {
             title: format!("Run-up: {}", unit.name),
-            origin: origin(&self.fmu)?,
+            origin,
             sections: summary.sections(geometry.gears[0].teeth),
         };
         page.write(&self.output, self.figures.as_deref())?;
@@ -200,26 +197,15 @@ impl<'a> Summary<'a> {
 
     /// Speeds, rpm, between which poses or loads lie outside the tables, and the share of the time.
     fn out_of_range(&self, history: &History) -> Option<([f64; 2], f64)> {
-        let outside = history
-            .speed
-            .iter()
-            .zip(&history.out_of_range)
-            .filter(|(_, out)| **out);
-        let speeds: Vec<f64> = outside.map(|(speed, _)| speed / RPM).collect();
-        let [low, high] = [f64::min, f64::max].map(|end| speeds.iter().copied().reduce(end));
-        Some((
-            [low?, high?],
-            speeds.len() as f64 / history.speed.len() as f64,
-        ))
+        let outside = &history.out_of_range;
+        let count = outside.iter().filter(|out| **out).count();
+        let between = speeds_between(history, |k| outside[k])?;
+        Some((between, count as f64 / outside.len() as f64))
     }
 
     /// Lowest and highest speed, rpm, at which the teeth part.
     fn parted(&self, history: &History) -> Option<[f64; 2]> {
-        let parted = history.speed.iter().zip(&history.tangential_force);
-        let parted = parted.filter(|(_, force)| **force == 0.0);
-        let speeds: Vec<f64> = parted.map(|(speed, _)| speed / RPM).collect();
-        let [low, high] = [f64::min, f64::max].map(|end| speeds.iter().copied().reduce(end));
-        Some([low?, high?])
+        speeds_between(history, |k| history.tangential_force[k] == 0.0)
     }
 
     fn listing(&self) -> Listing {
@@ -379,6 +365,17 @@ impl<'a> Summary<'a> {
         charts! { format!("Spectra in the {name}"), [SPEED, "frequency (kHz)", &label] => map; }
             .remove(0)
     }
+}
+
+/// Lowest and highest speed, rpm, of the samples of `history` for which `holds`; None: it holds nowhere.
+fn speeds_between(history: &History, holds: impl Fn(usize) -> bool) -> Option<[f64; 2]> {
+    let speeds = || {
+        let samples = history.speed.iter().enumerate();
+        samples
+            .filter(|(k, _)| holds(*k))
+            .map(|(_, speed)| speed / RPM)
+    };
+    Some([speeds().reduce(f64::min)?, speeds().reduce(f64::max)?])
 }
 
 /// The acceleration of gear 2, or of gear 1 where gear 2 turns as imposed.

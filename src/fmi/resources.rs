@@ -15,7 +15,7 @@ use url::Url;
 
 use super::Refusal;
 use super::parameters::Settings;
-use super::variables::{FIRST_PARAMETER, index_by_name, template_starts};
+use super::variables::{FIRST_PARAMETER, Variable, index_by_name, template_starts};
 use crate::contact::ContactFile;
 use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
@@ -48,6 +48,14 @@ pub struct UnitFile {
     pub starts: BTreeMap<String, f64>,
     /// The pair, SI.
     pub geometry: PairGeometry,
+}
+
+impl UnitFile {
+    /// Start value of `variable`: the FMU's own, or that of the template.
+    pub fn start(&self, variable: &Variable) -> f64 {
+        let own = self.starts.get(variable.name).copied();
+        own.or(variable.start).unwrap_or(0.0)
+    }
 }
 
 /// The resources of one packed FMU, read and checked.

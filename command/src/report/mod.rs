@@ -78,6 +78,7 @@ pub struct Report {
 impl Report {
     pub fn run(self) -> Result<()> {
         let (pair, gauges) = pair::read_with_gauges(&self.pair)?;
+        let origin = origin(&self.pair)?;
         let others = self.tables.iter().chain(&self.compare);
         output::check_writable(&self.output, others.chain([&self.pair]))?;
         if let Some(folder) = &self.figures {
@@ -92,7 +93,7 @@ impl Report {
         let note = format!("Elastic model: {description}.");
         let mut page = Page {
             title: format!("Static tooth contact: {}", pair.name),
-            origin: origin(&self.pair)?,
+            origin,
             sections,
         };
         page.sections
@@ -241,7 +242,7 @@ fn key_numbers(pair: &Pair) -> Vec<Column<'_, &Case>> {
         "", ["largest flank pressure", "MPa", 0] => 1e-6 * case.cycle.max_pressure();
         "", ["largest line load at a tip edge", "N/mm", 1] => case.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
         "", ["face load factor K_Hbeta", "", 3] => case.face_load.face_load_factor();
-        "", ["mean mesh stiffness, tangent", "N/um", 1] => 1e-6 * case.cycle.stiffness().iter().sum::<f64>() / case.cycle.results.len() as f64;
+        "", ["mean mesh stiffness, tangent", "N/um", 1] => 1e-6 * case.cycle.mean_stiffness();
     }
 }
 

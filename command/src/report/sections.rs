@@ -216,15 +216,16 @@ pub fn torque(variant: &Variant, loads: &Loads, survey: &[Case]) -> Section {
     };
     // Overlap evens the curves of helical pairs out: beside their means nothing of them would be seen.
     let is_helical = variant.geometry().overlap_ratio() > 0.0;
-    figures.extend(match is_helical {
-        true => charts! {
-            "Harris map", [POSITION, "STE less its mean (um)"], Height::Curves(LEAST_ERROR)
-                => over_cycle(survey, |c, r| 1e6 * (r.approach - c.cycle.mean_ste()));
-        },
-        false => charts! {
-            "Harris map", [POSITION, "STE (um)"], Height::Curves(LEAST_ERROR)
-                => over_cycle(survey, |_, r| 1e6 * r.approach);
-        },
+    let label = if is_helical {
+        "STE less its mean (um)"
+    } else {
+        "STE (um)"
+    };
+    figures.extend(charts! {
+        "Harris map", [POSITION, label], Height::Curves(LEAST_ERROR) => over_cycle(survey, |c, r| {
+            let mean = if is_helical { c.cycle.mean_ste() } else { 0.0 };
+            1e6 * (r.approach - mean)
+        });
     });
     let note = "Aligned, on the line of action. Orders are those of gear 1: its number of teeth is the mesh frequency, twice that its second \
                 harmonic. Harris map: STE over the mesh cycle for torques up to the largest, of helical pairs less the mean of each torque.";

@@ -18,6 +18,7 @@ use sha2::{Digest, Sha256};
 
 use crate::error::Result;
 use crate::model::{ModelArgs, ShaftArgs, widen};
+use crate::page::origin;
 use crate::{limits, output};
 use setup::{FLANK, MOST_CYCLES, Setup};
 use show::Summary;
@@ -86,6 +87,7 @@ fn class(text: &str) -> Result<u8, String> {
 impl Study {
     pub fn run(self) -> Result<()> {
         let draft = PairDraft::read(&self.pair)?;
+        let origin = origin(&self.pair)?;
         let drawn = self.model.applied_to(draft.pair()?);
         let mut pair = self.shafts.applied_to(drawn.clone());
         let mut torques = self.torques_nm.clone();
@@ -190,7 +192,6 @@ impl Study {
         let text = all.text();
         let figures = self.output.join("figures");
         output::make_folder("--output", &figures)?;
-        let origin = crate::page::origin(&self.pair)?;
         all.page(&text, origin).write(&page, Some(&figures))?;
         output::print(&text)
     }

@@ -268,6 +268,11 @@ impl MeshCycle {
         results.map(|r| r.tangent.force_by_approach).collect()
     }
 
+    /// The mean of [`MeshCycle::stiffness`], N/m.
+    pub fn mean_stiffness(&self) -> f64 {
+        self.stiffness().iter().sum::<f64>() / self.results.len() as f64
+    }
+
     /// Tooth pairs that bear load anywhere in the cycle, ascending.
     pub fn tooth_pairs(&self) -> Vec<i32> {
         let shares = self.results.iter().flat_map(|r| &r.load_share);

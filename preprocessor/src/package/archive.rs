@@ -10,7 +10,9 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use crate::storage::{self, write_whole};
 use gearmesh::contact::ContactFile;
-use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
+use gearmesh::fmi::resources::{
+    CONTACT_FILE, LARGEST, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit,
+};
 
 /// Why an FMU could not be packed or read: a file that cannot be read or written or is not what it should be, or start values
 /// that no host could start with.
@@ -173,8 +175,8 @@ pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, Pack
     Ok(archive.len() as u64)
 }
 
-/// Longest file that is read from an FMU, bytes: some hundred times the tables of a pair.
-const LONGEST_FILE: u64 = 256 << 20;
+/// Longest file that is read from an FMU, bytes: as much as its library reads.
+const LONGEST_FILE: u64 = LARGEST;
 
 /// Most bytes that are read from an FMU in all: libraries for all platforms and the largest tables.
 const LONGEST_ARCHIVE: u64 = 1 << 30;

@@ -119,12 +119,7 @@ impl Description<'_> {
 
     /// Nominal torque on gear 1, N m.
     fn torque(&self) -> f64 {
-        self.start(&VARIABLES[index::NOMINAL_TORQUE])
-    }
-
-    fn start(&self, variable: &Variable) -> f64 {
-        let own = self.unit.starts.get(variable.name).copied();
-        own.or(variable.start).unwrap_or(0.0)
+        self.unit.start(&VARIABLES[index::NOMINAL_TORQUE])
     }
 }
 

@@ -88,7 +88,7 @@ impl Sweep {
     fn frequency(&self, unit: &UnitFile) -> f64 {
         let geometry = &unit.geometry;
         let pitch = [0, 1].map(|i| geometry.operating_pitch_radius(i, geometry.center_distance));
-        (stiffness(unit) / self.reduced_mass(pitch)).sqrt()
+        (unit.start(&VARIABLES[index::CONSTANT_STIFFNESS]) / self.reduced_mass(pitch)).sqrt()
     }
 
     /// Of both discs turning against one another, at these `radii`, m, in kg.
@@ -112,7 +112,8 @@ impl Sweep {
         let geometry = &unit.geometry;
         let pitch = [0, 1].map(|i| geometry.operating_pitch_radius(i, geometry.center_distance));
         let base = [0, 1].map(|i| geometry.gears[i].base_radius());
-        let (stiffness, omega) = (stiffness(unit), self.frequency(unit));
+        let stiffness = unit.start(&VARIABLES[index::CONSTANT_STIFFNESS]);
+        let omega = self.frequency(unit);
         let z1 = geometry.gears[0].z();
         let [low, high] = self.speeds;
         let duration = match self.duration {
@@ -196,13 +197,6 @@ impl Sweep {
         }
         Ok(())
     }
-}
-
-/// `constantStiffness` that the FMU starts with, N/m.
-fn stiffness(unit: &UnitFile) -> f64 {
-    let variable = &VARIABLES[index::CONSTANT_STIFFNESS];
-    let own = unit.starts.get(variable.name).copied();
-    own.or(variable.start).unwrap_or(0.0)
 }
 
 /// Two discs on an FMU; their state is angle and rate of each beside the mean motion.

@@ -87,15 +87,6 @@ impl Case {
     }
 }
 
-pub fn load_matrix(torques: &[f64], misalignments: &[f64]) -> Vec<LoadCase> {
-    let load = |torque, misalignment| LoadCase {
-        torque,
-        misalignment,
-    };
-    let at_torque = |&torque| misalignments.iter().map(move |&m| load(torque, m));
-    torques.iter().flat_map(at_torque).collect()
-}
-
 /// What a report shows mesh cycles of.
 pub enum Variant<'a> {
     /// With its shafts, and its fillets where the stress in the roots is shown.
@@ -122,7 +113,7 @@ impl Variant<'_> {
         misalignments: &[f64],
         positions: usize,
     ) -> Result<Vec<Case>, ContactError> {
-        let loads = load_matrix(torques, misalignments);
+        let loads = LoadCase::matrix(torques, misalignments);
         let input = |load: &LoadCase| CycleInput {
             flank: Flank::Drive,
             torque: load.torque,

@@ -2,18 +2,16 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::words::count;
-use gearmesh_preprocessor::finite_element::{
-    ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, pair_root_stress,
-};
+use gearmesh_preprocessor::contact::{ElasticModels, ModelSettings};
+use gearmesh_preprocessor::finite_element::{ModelCache, Origin, RootStress};
 use gearmesh_preprocessor::shaft::held_by_its_shafts;
 use indicatif::HumanDuration;
 
@@ -67,7 +65,7 @@ pub struct Model {
     pub description: String,
     /// Seconds, and where the elastic models of both gears came from and are kept.
     pub effort: String,
-    pub compliance: Compliance,
+    pub compliance: [Arc<dyn ToothCompliance>; 2],
     /// Of the loaded flank, where the stress in the roots is requested.
     pub fillets: Option<Fillets>,
 }
@@ -77,8 +75,6 @@ pub struct Fillets {
     pub maps: [Arc<RootStress>; 2],
     pub effort: String,
 }
-
-pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
 impl ModelArgs {
     /// The pair with the choices of the command line instead of those of the file.
@@ -99,65 +95,52 @@ impl ModelArgs {
 
     /// The model of `pair`, to which the command line has been applied; with the fillets for loads on the flank `roots`.
     pub fn model(&self, pair: &Pair, roots: Option<Flank>, job: &Job) -> Result<Model> {
-        let begin = Instant::now();
-        let cache = self.cache_in_use();
-        let progress = progress(job, "elastic model");
-        let settings = self.settings(pair);
-        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &progress)?;
-        let effort = effort(begin, &models.origins, cache.as_ref());
-        let [first, second] = models.gears;
-        let compliance: Compliance = [first, second];
-        let fillets = roots.map(|flank| self.fillets(pair, flank, job));
+        let settings = self.settings();
+        let models = ElasticModels::new(pair, &settings, &|stage, share| job.show(stage, share))?;
+        let effort = self.effort(models.seconds, &models.origins);
+        let mut fillets = None;
+        if let Some(flank) = roots {
+            let found =
+                settings.root_models(pair, flank, &|stage, share| job.show(stage, share))?;
+            fillets = Some(Fillets {
+                effort: self.effort(found.seconds, &found.origins),
+                maps: found.maps,
+            });
+        }
         Ok(Model {
-            solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
-            description: self.description(pair),
             effort,
-            compliance,
-            fillets: fillets.transpose()?,
+            fillets,
+            description: models.description(),
+            solver: models.solver,
+            compliance: models.compliance,
         })
     }
 
-    /// The models of the fillets of `pair` loaded on `flank`, as part of `job`.
-    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets> {
-        let begin = Instant::now();
-        let cache = self.cache_in_use();
-        let progress = progress(job, "model of the fillets");
-        let settings = self.settings(pair);
-        let models = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &progress)?;
-        Ok(Fillets {
-            maps: models.gears,
-            effort: effort(begin, &models.origins, cache.as_ref()),
-        })
-    }
-
-    pub fn contact_settings(&self, pair: &Pair) -> ContactSettings {
-        let mut settings = ContactSettings::for_pair(pair);
-        settings.stations = self.stations.unwrap_or(settings.stations);
-        settings
-    }
-
-    /// The solver whose contact an FMU solves at run time: on fewer stations than `solver`, but for a number that was requested.
-    pub fn at_run_time(&self, solver: &ContactSolver) -> ContactSolver {
-        match self.stations {
-            Some(_) => solver.clone(),
-            None => solver.clone().at_run_time(),
-        }
-    }
-
-    pub fn are_cached(&self, pair: &Pair) -> Result<bool> {
-        let is_kept = |c| PairCompliance::is_kept(&pair.geometry, &self.settings(pair), &c);
-        Ok(self.cache_in_use().map_or(Ok(false), is_kept)?)
-    }
-
-    fn settings(&self, pair: &Pair) -> Settings {
-        Settings {
+    pub fn settings(&self) -> ModelSettings {
+        ModelSettings {
             plane_strain: self.plane_strain,
-            ..Settings::for_pair(pair)
+            stations: self.stations,
+            cache: self.cache.cache().filter(|_| !self.no_cache),
         }
     }
 
-    fn cache_in_use(&self) -> Option<ModelCache> {
-        self.cache.cache().filter(|_| !self.no_cache)
+    /// What making models with these origins took; standard error has a note where the cache did not help.
+    pub fn effort(&self, seconds: f64, origins: &[Origin; 2]) -> String {
+        note_on_cache(origins);
+        let folder = match self.settings().cache {
+            Some(cache) => cache.directory.display().to_string(),
+            None => String::new(),
+        };
+        let words = origins.each_ref().map(|origin| match origin {
+            Origin::Loaded => format!("read from {folder}"),
+            Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
+            Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
+        });
+        let words = match words {
+            [first, second] if first == second => first,
+            [first, second] => format!("gear 1 {first}, gear 2 {second}"),
+        };
+        format!("{seconds:.3} s, {words}")
     }
 
     /// `pair` with another refinement to estimate the error: the next finer one where it is cheap, else the next coarser one.
@@ -168,23 +151,6 @@ impl ModelArgs {
             Refinement::Coarse | Refinement::Fine => Refinement::Normal,
         };
         pair
-    }
-
-    fn description(&self, pair: &Pair) -> String {
-        let mut words = format!("finite elements, {:?}", pair.refinement).to_lowercase();
-        if self.plane_strain {
-            words.push_str(", plane strain");
-        }
-        match pair.shafts {
-            [Some(_), Some(_)] => words.push_str(", shafts on bearings"),
-            [Some(_), None] => words.push_str(", shaft of gear 1 on bearings"),
-            [None, Some(_)] => words.push_str(", shaft of gear 2 on bearings"),
-            [None, None] => {}
-        }
-        if !pair.tip_corner_contact {
-            words.push_str(", contact on the path only");
-        }
-        words
     }
 }
 
@@ -198,21 +164,8 @@ pub fn widen(pair: &mut Pair, torque: f64, misalignment: [f64; 2], offset: [f64;
     o.center_distance_offset = wider(o.center_distance_offset, offset);
 }
 
-/// Shows in `job` how far the models are that `model` names.
-fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
-    move |gear, stage, share| {
-        let words = match stage {
-            Stage::Assembly => "stiffness of one tooth with its share of the body",
-            Stage::Condensation => "reducing it to its loaded flank",
-            Stage::Ring => "joining all teeth to the whole gear",
-        };
-        job.show(&format!("{model} of gear {}: {words}", gear + 1), share);
-        true
-    }
-}
-
-/// What making models with these origins took, begun at `begin`; standard error has a note where the cache did not help.
-fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
+/// Notes on standard error where the cache did not help.
+pub fn note_on_cache(origins: &[Origin; 2]) {
     // Equal gears share one model.
     let count = 2 - usize::from(origins[0] == origins[1]);
     for origin in &origins[..count] {
@@ -223,17 +176,6 @@ fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> 
         };
         eprintln!("gearmesh: note: finite-element model {what}");
     }
-    let folder = cache.map_or(String::new(), |c| c.directory.display().to_string());
-    let words = origins.each_ref().map(|origin| match origin {
-        Origin::Loaded => format!("read from {folder}"),
-        Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
-        Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
-    });
-    let words = match words {
-        [first, second] if first == second => first,
-        [first, second] => format!("gear 1 {first}, gear 2 {second}"),
-    };
-    format!("{:.3} s, {words}", begin.elapsed().as_secs_f64())
 }
 
 /// Shafts on bearings.

@@ -13,7 +13,7 @@ use crate::error::{Result, chain};
 use crate::inspect::is_tables;
 use crate::model::ModelArgs;
 use crate::output;
-use crate::tables::{self, GridArgs};
+use crate::tables::{self, Computed, GridArgs};
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -156,9 +156,10 @@ impl Build {
         model.root_stress |= set.contains(&Setting::ROOT_STRESS);
         grid.teeth |= set.contains(&Setting::TEETH);
         let contact = self.contact || set.contains(&Setting::CONTACT);
-        let made = tables::compute(&self.pair, &unit.output, &grid, contact, &model)?;
-        let (contact, more) = (made.contact.as_ref(), format!("; {}", made.text));
-        let words = unit.pack_tables(&made.file, contact, &libraries, &more)?;
+        let Computed { made, text } =
+            tables::compute(&self.pair, &unit.output, &grid, contact, &model)?;
+        let more = format!("; {text}");
+        let words = unit.pack_tables(&made.file, made.contact.as_ref(), &libraries, &more)?;
         output::print(&format!("Wrote {words}"))
     }
 }

@@ -1,10 +1,10 @@
 //! What a pair is, in the figures an engineer checks first against the drawing: as text and as JSON.
 
-use gearmesh::gear::{Flank, Gear, GearKind, Microgeometry, ReliefShape, ToothProfile};
+use gearmesh::gear::{Flank, Gear, GearKind, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, hand, lead};
-use gearmesh_preprocessor::pair::{self, Gauges};
+use gearmesh_preprocessor::pair::{self, Gauges, modifications, topographies, topography};
 use gearmesh_preprocessor::shaft::misalignment_range;
 use gearmesh_preprocessor::{NominalContactStress, NominalStiffness};
 use serde_json::{Value, json};
@@ -20,7 +20,9 @@ pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
         list(&mut rows, &gear(pair, i, gauges[i]), &());
         body(&pair.geometry.gears[i], &mut rows);
         shaft(pair, i, &mut rows);
-        modifications(pair, i, &mut rows);
+        for (name, value) in modifications(pair, i) {
+            rows.row(name, value);
+        }
         tooth_errors(pair, i, &mut rows);
         rows
     });
@@ -292,7 +294,7 @@ fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
             rows! { rows; format!("{name}: index errors") => "{least} to {largest} um, > 0 towards the mate"; }
         }
         for own in &errors.flanks {
-            let words = topography(pair, i, &own.microgeometry).unwrap_or_default();
+            let words = topography(&pair.geometry, i, &own.microgeometry).unwrap_or_default();
             rows! { rows; format!("{name}: tooth {}", own.tooth) => "topography of its own, {words}"; }
         }
     }
@@ -307,113 +309,6 @@ fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
     }
 }
 
-pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
-    let gear = &pair.geometry.gears[i];
-    for (name, m) in flanks(pair, i) {
-        if *m != Microgeometry::default() {
-            flank(name, gear, m, rows);
-        } else if name == BOTH {
-            rows.row("modifications", "none");
-        } else {
-            rows.row(name, "unmodified");
-        }
-    }
-    for (name, words) in topographies(pair, i) {
-        rows.row(name, words);
-    }
-}
-
-fn topographies(pair: &Pair, i: usize) -> Vec<(String, String)> {
-    let words = |(name, m)| Some((format!("{name}: topography"), topography(pair, i, m)?));
-    flanks(pair, i).into_iter().filter_map(words).collect()
-}
-
-const BOTH: &str = "both flanks";
-
-/// Both flanks of gear `i` as one where they are alike, with their names.
-fn flanks(pair: &Pair, i: usize) -> Vec<(&'static str, &Microgeometry)> {
-    let of = |flank| &pair.microgeometry.flank(flank)[i];
-    let (drive, coast) = (of(Flank::Drive), of(Flank::Coast));
-    match drive == coast {
-        true => vec![(BOTH, drive)],
-        false => vec![("drive flank", drive), ("coast flank", coast)],
-    }
-}
-
-fn topography(pair: &Pair, i: usize, m: &Microgeometry) -> Option<String> {
-    let (grid, g) = (m.topography.as_ref()?, &pair.geometry);
-    let gear = &g.gears[i];
-    let [rolls, zs] = grid.range();
-    let [along, across] = grid.size();
-    let tip = gear.tip_form_roll();
-    let start = g.active_start_roll(i, g.center_distance);
-    let active = [start.min(tip), start.max(tip)];
-    let [least, largest] = grid.extremes(active, [0.0, gear.face_width]);
-    let um = |removal: f64| fixed(removal * 1e6, 2);
-    let [from, to] = rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
-    Some(format!(
-        "removal {} to {} um on the active flank, {} um at the tip at mid-face; {along} x {across} points, diameters {from} \
-         to {to} mm, z {} to {} mm, bicubic",
-        um(least[2]),
-        um(largest[2]),
-        um(grid.removal(tip, 0.5 * gear.face_width)),
-        fixed(1e3 * zs[0], 3),
-        fixed(1e3 * zs[1], 3)
-    ))
-}
-
-fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
-    let diameters = |rolls: [f64; 2]| rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
-    let named = |what: &str| format!("{name}: {what}");
-    for (what, relief) in [("tip relief", m.tip_relief), ("root relief", m.root_relief)] {
-        let Some(r) = relief else { continue };
-        let rolls = [r.start_roll, r.end_roll];
-        let [d1, d2] = diameters(rolls);
-        let [l1, l2] = rolls.map(|roll| fixed(1e3 * roll, 4));
-        let [a1, a2] = rolls.map(|roll| fixed((roll / gear.base_radius()).to_degrees(), 3));
-        rows! { rows;
-            named(what) => "{} um, {} from diameter {d1} to {d2} mm, roll length {l1} to {l2} mm, roll angle {a1} to {a2} deg", um(r.amount), shape(r.shape);
-        }
-    }
-    if let Some(c) = m.profile_crowning {
-        let [from, to] = diameters(c.rolls);
-        rows! { rows; named("profile crowning") => "{} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll", um(c.amount); }
-    }
-    if let Some(p) = m.profile_slope.filter(|p| p.amount != 0.0) {
-        let [from, to] = diameters(p.rolls);
-        let c_ha = um(-p.amount / gear.base_helix_angle().cos());
-        rows! { rows;
-            named("profile slope") => "{} um more at diameter {to} than at {from} mm (C_Ha {c_ha} um), linear, 0 at mid-roll", um(p.amount);
-        }
-    }
-    let bias = m.profile_slope.map_or(0.0, |p| p.bias);
-    if bias != 0.0 {
-        rows! { rows; named("bias") => "{} um more profile slope at the large-z end than at z = 0, 0 at mid-face", um(bias); }
-    }
-    if m.lead_crowning != 0.0 {
-        rows! { rows; named("lead crowning") => "{} um at both ends of the face, parabolic, 0 at mid-face", um(m.lead_crowning); }
-    }
-    if m.lead_slope != 0.0 {
-        rows! { rows; named("lead slope") => "{} um more at the large-z end than at z = 0, linear, 0 at mid-face", um(m.lead_slope); }
-    }
-    let ends = match m.end_relief {
-        [low, high] if low == high => vec![("end relief, both ends", low)],
-        [low, high] => vec![
-            ("end relief at z = 0", low),
-            ("end relief at the large-z end", high),
-        ],
-    };
-    for (what, relief) in ends {
-        let Some(r) = relief else { continue };
-        let (shape, mm) = (shape(r.shape), fixed(1e3 * r.length, 3));
-        rows! { rows; named(what) => "{} um, {shape} over the last {mm} mm", um(r.amount); }
-    }
-}
-
 fn um(amount: f64) -> String {
     fixed(amount * 1e6, 1)
-}
-
-fn shape(shape: ReliefShape) -> String {
-    format!("{shape:?}").to_lowercase()
 }

@@ -1,8 +1,20 @@
-//! From the drawing of a gear pair to what the FMU of `gearmesh` needs.
+//! From the drawing of a gear pair to the FMU of `gearmesh`.
 //!
-//! [`pair`] reads and checks the pair file, [`shaft`] bends its shafts, [`finite_element`] computes how teeth and blanks give way,
-//! [`contact`] solves mesh cycles and condenses the elastic models for contact at run time, [`table`] sweeps the static contact,
-//! [`package`] packs the FMU, and [`run_up`] sweeps its speed.
+//! | module | in | out |
+//! |---|---|---|
+//! | [`pair`], [`import`] | pair file, file of another program | checked pair in SI, `gearmesh::pair::Pair` |
+//! | [`shaft`] | shafts on bearings | how far they take the flanks apart |
+//! | [`finite_element`] | gear | displacement of its flanks under load, stress in its tooth roots |
+//! | [`contact`] | pair | elastic models, static contact over mesh cycles, contact for run time |
+//! | [`table`] | elastic models, a recipe | tables of static contact with their error |
+//! | [`package`] | tables | FMU |
+//! | [`run_up`] | FMU | vibration over the speed |
+//!
+//! The whole way, `examples/drawing_to_fmu.rs`:
+//!
+//! ```no_run
+#![doc = include_str!("../../examples/drawing_to_fmu.rs")]
+//! ```
 
 pub mod contact;
 pub mod finite_element;

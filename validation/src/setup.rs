@@ -11,7 +11,9 @@ use gearmesh::gear::{Flank, GearKind, PairGeometry};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile, TeethRecord};
-use gearmesh_preprocessor::contact::{CycleInput, MeshCycle, contact_file};
+use gearmesh_preprocessor::contact::{
+    CycleInput, ElasticModels, MeshCycle, ModelSettings, contact_file,
+};
 use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{
@@ -66,15 +68,17 @@ pub fn ratio(pair: &PairGeometry) -> f64 {
 
 /// Elastic models of `pair` with `settings`, cached in target/finite-elements.
 pub fn models(pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
-    let folder = in_repository("target/finite-elements");
-    let cache = ModelCache::new(folder, ModelCache::DEFAULT_LIMIT);
-    let go_on = |_, _, _| true;
     Ok(PairCompliance::new(
         &pair.geometry,
         settings,
-        Some(&cache),
-        &go_on,
+        Some(&cache()),
+        &|_, _, _| true,
     )?)
+}
+
+fn cache() -> ModelCache {
+    let folder = in_repository("target/finite-elements");
+    ModelCache::new(folder, ModelCache::DEFAULT_LIMIT)
 }
 
 /// Solver of `pair` on `models`.
@@ -143,8 +147,12 @@ impl Setup {
 
     /// `pair` with its own settings of contact.
     pub fn from_pair(pair: Pair) -> Result<Self> {
-        let contact = ContactSettings::for_pair(&pair);
-        Self::new(pair, contact)
+        let settings = ModelSettings {
+            cache: Some(cache()),
+            ..ModelSettings::default()
+        };
+        let ElasticModels { pair, solver, .. } = ElasticModels::new(&pair, &settings, &|_, _| ())?;
+        Ok(Self { pair, solver })
     }
 
     /// What an FMU packs for contact at run time.
@@ -205,13 +213,7 @@ impl Setup {
 
     /// The whole operating range.
     pub fn coverage(&self) -> Coverage {
-        let operating = &self.pair.operating;
-        Coverage {
-            center_distance_offset: Some(operating.center_distance_offset),
-            misalignment: Some(operating.misalignment),
-            nominal_torque: operating.nominal_torque,
-            maximum_torque: operating.maximum_torque,
-        }
+        Coverage::new(&self.pair, true, true)
     }
 
     /// Direct solutions at `n` random points of `ranges`.

@@ -3,11 +3,11 @@
 use gearmesh::contact::ContactError;
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Shaft};
-use gearmesh_preprocessor::contact::CycleInput;
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::shaft::{ShaftState, misalignment_range};
 
 use super::sections::{Loads, POSITIONS};
-use crate::case::{Case, Variant, load_matrix, torque_in_words};
+use crate::case::{Case, Variant, torque_in_words};
 use crate::columns::table;
 use crate::page::{Curve, Figure, Height, Section, charts};
 use crate::solve::{bearing_columns, bearings};
@@ -29,7 +29,7 @@ pub fn section(
     }
     let mut torques = loads.survey.clone();
     torques.push(loads.nominal);
-    let matrix = load_matrix(&torques, &[0.0]);
+    let matrix = LoadCase::matrix(&torques, &[0.0]);
     let mut solved = Vec::new();
     for (flank, name) in FLANKS {
         let input = CycleInput {

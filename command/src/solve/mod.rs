@@ -19,9 +19,7 @@ use gearmesh_preprocessor::storage::csv_reader;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::case::{
-    Case, LEGEND, SHAFT_LEGEND, details, load, load_matrix, on_shafts, summary, torque_in_words,
-};
+use crate::case::{Case, LEGEND, SHAFT_LEGEND, details, load, on_shafts, summary, torque_in_words};
 use crate::columns::{Column, Listing, columns, list, rows, table};
 use crate::error::Result;
 use crate::limits;
@@ -156,7 +154,10 @@ impl Solve {
         limits::check(Some(count), &(1..=10_000))
             .map_err(|error| format!("torques times misalignments = {count}: {error}"))?;
         let misalignments = self.misalignment_mrad.iter().map(|mrad| mrad * 1e-3);
-        Ok(load_matrix(&torques, &misalignments.collect::<Vec<_>>()))
+        Ok(LoadCase::matrix(
+            &torques,
+            &misalignments.collect::<Vec<_>>(),
+        ))
     }
 
     /// A cycle of `pair` for each of `loads`, with the stress in the roots where it is requested.

@@ -198,7 +198,7 @@ impl Study {
 
     fn identity(&self, pair: &Pair, Setup { plan, torques, .. }: &Setup) -> String {
         let (seed, positions, args) = (self.seed, self.positions, &self.model);
-        let (settings, plane_strain) = (args.contact_settings(pair), args.plane_strain);
+        let (settings, plane_strain) = (args.settings().contact(pair), args.plane_strain);
         let roots = if args.root_stress { " root stress" } else { "" };
         let version = env!("CARGO_PKG_VERSION");
         let all = format!(

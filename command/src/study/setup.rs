@@ -6,13 +6,13 @@ use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::words::{number, rounded, shown};
-use gearmesh_preprocessor::contact::CycleInput;
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair::PairDraft;
 use gearmesh_preprocessor::storage::csv_reader;
 
 use super::statistics::{Best, Measure, Outcome, Sample, Statistics};
 use super::variation::Plan;
-use crate::case::{Case, load_matrix};
+use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::error::Result;
 use crate::model::Model;
@@ -143,7 +143,7 @@ impl Setup {
         };
         let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
         let torque = load("torque_nm").map(|torque| vec![torque]);
-        let loads = load_matrix(&torque.unwrap_or(self.torques.clone()), &[misalignment]);
+        let loads = LoadCase::matrix(&torque.unwrap_or(self.torques.clone()), &[misalignment]);
         let input = CycleInput {
             flank: FLANK,
             torque: loads[0].torque,

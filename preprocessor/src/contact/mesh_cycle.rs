@@ -64,6 +64,22 @@ pub struct LoadCase {
     pub misalignment: f64,
 }
 
+impl LoadCase {
+    /// Each of `torques` (N m) with each of `misalignments` (rad), the misalignment fastest.
+    pub fn matrix(torques: &[f64], misalignments: &[f64]) -> Vec<LoadCase> {
+        let mut loads = Vec::with_capacity(torques.len() * misalignments.len());
+        for &torque in torques {
+            for &misalignment in misalignments {
+                loads.push(LoadCase {
+                    torque,
+                    misalignment,
+                });
+            }
+        }
+        loads
+    }
+}
+
 /// Contact, shafts, no-load approach (m) and sliding at a position.
 type Solved = (ContactResult, Option<ShaftState>, f64, [Sliding; 2]);
 

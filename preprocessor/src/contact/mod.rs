@@ -2,6 +2,7 @@
 //! run time needs.
 
 mod mesh_cycle;
+mod models;
 mod root_stress;
 
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use gearmesh::pair::Pair;
 pub use mesh_cycle::{
     CycleInput, ENOUGH_SEGMENTS, FaceLoad, HARMONICS, Harmonic, LoadCase, MeshCycle, harmonics,
 };
+pub use models::{ElasticModels, ModelError, ModelSettings, RootModels, StageProgress};
 pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
 
 /// The contact of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m).

@@ -11,6 +11,7 @@ use gearmesh::compliance::Segment;
 use gearmesh::gear::{Gear, ToothProfile};
 use gearmesh::words::rounded;
 use nalgebra::{DMatrix, Matrix2, Vector2};
+use std::fmt;
 use std::ops::RangeInclusive;
 
 /// What a computation is busy with.
@@ -22,6 +23,16 @@ pub enum Stage {
     Condensation,
     /// Harmonics of the whole ring.
     Ring,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Stage::Assembly => "stiffness of one tooth with its share of the body",
+            Stage::Condensation => "reducing it to its loaded flank",
+            Stage::Ring => "joining all teeth to the whole gear",
+        })
+    }
 }
 
 /// Progress of a computation: called with the stage and the share of it that is done; returns false to

@@ -9,6 +9,7 @@ mod file;
 mod flanks;
 mod gears;
 mod mesh;
+mod modifications;
 mod shafts;
 mod text;
 
@@ -18,6 +19,7 @@ pub use checks::{Refusal, TORQUES};
 pub use drawing::Gauges;
 pub use gears::ASSUMED_HELD;
 pub use mesh::LARGEST_DEFLECTION;
+pub use modifications::{modifications, topographies, topography};
 pub use text::PairError;
 
 use checks::{LARGEST_MISALIGNMENT, LEAST_HELIX, ensure, in_gear, limits, refusal, suspicious};

@@ -3,6 +3,7 @@
 use super::sweep::{StaticSource, solve_error};
 use gearmesh::contact::{ContactError, ContactFile, Prescribed, Warm};
 use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
+use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankTable, InterpolationError, Query, TableError};
 use rayon::prelude::*;
@@ -77,6 +78,19 @@ const FARTHEST_APART: f64 = 0.5;
 const APART: f64 = 0.3;
 
 impl Coverage {
+    /// The operating range of `pair`, with those of centre distance and misalignment where they are wanted and wider than nothing.
+    pub fn new(pair: &Pair, center_distance: bool, misalignment: bool) -> Coverage {
+        let o = &pair.operating;
+        let range =
+            |wanted: bool, range: [f64; 2]| (wanted && range[0] < range[1]).then_some(range);
+        Coverage {
+            center_distance_offset: range(center_distance, o.center_distance_offset),
+            misalignment: range(misalignment, o.misalignment),
+            nominal_torque: o.nominal_torque,
+            maximum_torque: o.maximum_torque,
+        }
+    }
+
     /// `n` even centre distance offsets; 0 where there is no range.
     pub(super) fn offsets(&self, n: usize) -> Vec<f64> {
         (self.center_distance_offset).map_or(vec![0.0], |range| graded(range, n, 0.0))

@@ -3,6 +3,7 @@
 mod coverage;
 pub mod import;
 mod plan;
+mod recipe;
 mod records;
 mod sweep;
 mod teeth;
@@ -13,6 +14,7 @@ pub use coverage::{
     misalignments, tilt,
 };
 pub use plan::table_within;
+pub use recipe::{Account, Made, Recipe, RecipeError};
 pub use records::{RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding};
 pub use sweep::{
     Progress, Sample, SolveQuality, StaticPosition, StaticSource, WatchedSolver, sweep,

@@ -1,27 +1,22 @@
 //! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range; `gearmesh import
 //! SAMPLES.csv --pair PAIR.json -o TABLES.json`: that of another contact program.
 
-mod sweeps;
-
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
-use gearmesh::contact::{ContactFile, MAXIMUM_ITERATIONS};
-use gearmesh::table::{TableFile, TeethRecord};
-use gearmesh_preprocessor::contact::contact_file;
+use gearmesh::contact::MAXIMUM_ITERATIONS;
+use gearmesh::table::TableFile;
+use gearmesh_preprocessor::contact::ElasticModels;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::import::import_csv;
-use gearmesh_preprocessor::table::{WatchedSolver, tilt};
-use serde_json::json;
+use gearmesh_preprocessor::table::{Made, Recipe};
 
 use crate::columns::{Listing, rows};
 use crate::error::Result;
 use crate::inspect::run_time_error;
-use crate::model::ModelArgs;
+use crate::model::{ModelArgs, note_on_cache};
 use crate::output;
-use crate::pair_summary::{at_build, modifications};
-use sweeps::{Sweeps, corners, coverage, preflight};
+use crate::pair_summary::at_build;
 
 /// Error of the force, percent rms of the nominal one, from which on tooth pairs one by one are warned of.
 const LARGE_ERROR: f64 = 3.0;
@@ -77,86 +72,73 @@ fn share(text: &str) -> Result<f64, String> {
 
 impl Tables {
     pub fn run(self) -> Result<()> {
-        let made = compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
+        let Computed { made, text } =
+            compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
         output::write_whole(&self.output, made.file.to_json().as_bytes())?;
-        output::print(&format!("Wrote {}: {}\n", self.output.display(), made.text))
+        output::print(&format!("Wrote {}: {text}\n", self.output.display()))
     }
 }
 
-pub struct Made {
-    pub file: TableFile,
-    pub contact: Option<ContactFile>,
+/// Tables with what is packed and said of them.
+pub struct Computed {
+    pub made: Made,
     pub text: String,
 }
 
-/// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
+/// The tables of the pair file `path`, on their way to `output`, with `contact` what contact at run time needs.
 pub fn compute(
     path: &Path,
     output: &Path,
     grid: &GridArgs,
     contact: bool,
     args: &ModelArgs,
-) -> Result<Made> {
-    if contact && args.root_stress && args.plane_strain {
-        refuse!(
-            "contact at run time has no stress in the tooth roots in plane strain; leave out `rootStress`, --plane-strain or --contact"
-        );
-    }
+) -> Result<Computed> {
+    let recipe = Recipe {
+        center_distance: !grid.no_center_distance,
+        misalignment: !grid.no_misalignment,
+        max_error: grid.max_error,
+        friction: grid.friction,
+        root_stress: args.root_stress,
+        teeth: grid.teeth,
+        contact,
+    };
     let pair = args.applied_to(pair::read(path)?);
-    if grid.teeth {
-        TeethRecord::takes(&pair.teeth)?;
-    }
+    let settings = args.settings();
+    recipe.check(&pair, &settings)?;
     output::check_writable(output, [path])?;
-    let coverage = coverage(&pair, [!grid.no_center_distance, !grid.no_misalignment]);
     let job = args.start()?;
-    preflight(&pair, args, &coverage, &job)?;
-    let model = args.model(&pair, None, &job)?;
-    corners(&model.solver, &pair, &coverage)?;
+    let progress = &|stage: &str, share| job.show(stage, share);
+    recipe.check_on_coarse_model(&pair, &settings, progress)?;
+    let models = ElasticModels::new(&pair, &settings, progress)?;
+    let effort = args.effort(models.seconds, &models.origins);
+    let made = recipe.compute(&models, progress)?;
+    made.account.root_origins.iter().for_each(note_on_cache);
+    let rows = in_words(&made, &models, &effort);
+    let text = format!(
+        "{}\n  {}",
+        made.file.size_and_error(),
+        rows.joined("\n  ", ": ")
+    );
+    Ok(Computed { made, text })
+}
+
+/// What was computed for `made`, how long it took, and what is to be known of the pair.
+fn in_words(made: &Made, models: &ElasticModels, effort: &str) -> Listing {
+    let (pair, account) = (&models.pair, &made.account);
+    let quality = account.quality;
     let mut rows = Listing::default();
-    rows! { rows; "elastic model" => "{}, {}", model.description, model.effort; }
-
-    let begin = Instant::now();
-    // Solves that no table holds are not counted with it.
-    let tilt = match coverage.misalignment {
-        Some(_) => tilt(&model.solver, &pair.geometry, &coverage)?,
-        None => f64::INFINITY,
-    };
-    let sweeps = Sweeps {
-        pair: &pair,
-        model: &model,
-        coverage: &coverage,
-        tilt,
-        args,
-        job: &job,
-    };
-    let source = WatchedSolver::new(&model.solver);
-    let (drive, coast, error) = sweeps.flanks(&source, grid.max_error)?;
-    let friction = grid.friction.then(|| sweeps.sliding()).transpose()?;
-    let quality = source.quality();
     rows! { rows;
-        "static contact" => "{}, {} contact solves, Newton steps {} at most of {MAXIMUM_ITERATIONS} allowed, residual of the contact \
-             conditions {:.1e} at most", seconds_since(begin), quality.solves, quality.most_iterations, quality.kkt_residual;
+        "elastic model" => "{}, {effort}", models.description();
+        "static contact" => "{:.1} s, {} contact solves, Newton steps {} at most of {MAXIMUM_ITERATIONS} allowed, residual of the \
+             contact conditions {:.1e} at most", account.contact_seconds, quality.solves, quality.most_iterations, quality.kkt_residual;
     }
-    at_build(&pair, &mut rows);
-
-    let begin = Instant::now();
-    let root_stress = args.root_stress.then(|| sweeps.root_stress()).transpose()?;
-    if let Some(record) = &root_stress {
-        rows! { rows; "root stress" => "{}, {}", seconds_since(begin), record.interpolation_error; }
+    at_build(pair, &mut rows);
+    if let (Some(record), Some(seconds)) = (&made.file.root_stress, account.root_stress_seconds) {
+        rows! { rows; "root stress" => "{seconds:.1} s, {}", record.interpolation_error; }
     }
-    let solver = args.at_run_time(&model.solver);
-    let at_run_time = (contact || grid.teeth).then(|| contact_file(&pair, &solver));
-    let mut at_run_time = at_run_time.transpose()?;
-    if let Some(file) = at_run_time.as_mut().filter(|_| contact && args.root_stress) {
-        sweeps.add_root_stress(file, &solver)?;
-    }
-    let begin = Instant::now();
-    let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
-    let teeth = teeth.map(|contact| sweeps.teeth(contact, grid.friction));
-    let teeth = teeth.transpose()?;
-    if let Some(record) = &teeth {
+    if let (Some(record), Some(seconds)) = (&made.file.teeth, account.teeth_seconds) {
         let percent = 100.0 * record.error.force_rms;
-        rows! { rows; "tooth pairs one by one" => "{}, {}", seconds_since(begin), record.in_words(); }
+        rows! { rows; "tooth pairs one by one" => "{seconds:.1} s, {}", record.in_words(); }
         if percent > LARGE_ERROR {
             rows! { rows;
                 "warning" => "tooth pairs one by one carry {percent:.1} % rms of the nominal force more or less than they should; for \
@@ -164,9 +146,7 @@ pub fn compute(
             }
         }
     }
-    let mut contact = at_run_time.filter(|_| contact);
-    if let Some(contact) = &mut contact {
-        contact.error = Some(sweeps.error_at_run_time(contact)?);
+    if let Some(contact) = &made.contact {
         rows.row(
             "contact at run time",
             run_time_error(contact.error.as_ref()),
@@ -175,7 +155,7 @@ pub fn compute(
     if let Some(note) = pair::note_on_teeth(&pair.teeth) {
         let table = "`stiffnessModel = table` takes all teeth as alike";
         let teeth_first = "FMUs start with `stiffnessModel = teeth`, which takes the tooth errors";
-        match (teeth.is_some(), contact.is_some()) {
+        match (made.file.teeth.is_some(), made.contact.is_some()) {
             (true, true) => rows! { rows; "note" => "{teeth_first}, as `contact` does; {table}"; },
             (true, false) => rows! { rows; "note" => "{teeth_first}; {table}"; },
             (false, true) => {
@@ -184,47 +164,7 @@ pub fn compute(
             (false, false) => rows.row("note", note),
         }
     }
-
-    let mut file = TableFile::new(
-        &pair.name,
-        "static tooth contact by gearmesh",
-        &pair.geometry,
-        [coverage.nominal_torque, coverage.maximum_torque],
-        &drive,
-        coast.as_ref(),
-    );
-    file.interpolation_error = Some(error);
-    file.friction = friction;
-    file.root_stress = root_stress;
-    file.teeth = teeth;
-    let modified = [0, 1].map(|i| {
-        let mut rows = Listing::default();
-        modifications(&pair, i, &mut rows);
-        rows.joined("; ", " ")
-    });
-    file.solver = serde_json::from_value(json!({
-        "elastic_model": model.description,
-        "tip_corner_contact": pair.tip_corner_contact,
-        "plane_strain": args.plane_strain,
-        "stations_along_the_face": model.solver.settings().stations,
-        "contact_solves": quality.solves,
-        "most_newton_steps": quality.most_iterations,
-        "newton_steps_allowed": MAXIMUM_ITERATIONS,
-        "largest_kkt_residual": quality.kkt_residual,
-        "modifications_of_gear_1": modified[0],
-        "modifications_of_gear_2": modified[1],
-    }))?;
-    file.seal();
-    let text = format!("{}\n  {}", file.size_and_error(), rows.joined("\n  ", ": "));
-    Ok(Made {
-        file,
-        contact,
-        text,
-    })
-}
-
-fn seconds_since(begin: Instant) -> String {
-    format!("{:.1} s", begin.elapsed().as_secs_f64())
+    rows
 }
 
 /// Make tables of the samples of another contact program.

@@ -119,6 +119,12 @@ report: examples
 	    page=target/report/$$(basename $$pair .json); \
 	    $(GEARMESH) report $$pair -o $$page.html --figures $$page || exit 1; \
 	done
+	$(GEARMESH) study examples/drivelines/pairs/spur-50-50.json -q --restart --torques-nm 150 --refinement coarse -o target/study \
+	    --best peak_to_peak_ste_loa_um --require "edge_line_load_n_per_mm<=0" \
+	    --vary gear1.tip_relief.amount_um,gear2.tip_relief.amount_um=0..40/optimize \
+	    --vary gear1.tip_relief.start.diameter_mm,gear2.tip_relief.start.diameter_mm=150..154/optimize
+	cp target/study/figures/measure-of-the-points-in-their-order.svg docs/img/study-optimizer.svg
+	cp target/study/samples.csv docs/data/study-optimizer.csv
 	cp target/drivelines/*.png docs/drivelines/
 	cp $(addprefix target/drivelines/,response.csv sweep-branches.csv loss.csv) docs/data/drivelines/
 	$(VENV)/bin/python -m examples.drivelines.tutorial --docs docs

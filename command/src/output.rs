@@ -111,6 +111,13 @@ impl Job {
         }
     }
 
+    /// A line that stays.
+    pub fn note(&self, words: &str) {
+        if self.printed.is_some() {
+            self.line.suspend(|| eprintln!("gearmesh: {words}"));
+        }
+    }
+
     pub fn show(&self, stage: &str, share: f64) {
         let words = format!("{stage}, {:.0} %", 100.0 * share);
         if let (true, Some(printed)) = (self.line.is_hidden(), &self.printed) {

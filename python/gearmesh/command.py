@@ -28,6 +28,8 @@ from .errors import CommandError
 Array = NDArray[np.float64]
 Pair = str | Path | Mapping[str, Any]
 Value = float | bool | str
+# Of a varied field: an interval, a grid, a range for the optimizer, or a tolerance.
+Interval = tuple[float, float] | tuple[float, float, int] | tuple[float, float, Literal["optimize"]] | float
 
 
 class ModelOptions(TypedDict, total=False):
@@ -188,18 +190,21 @@ class StudyResult:
     samples : dict of (rows,)
         Varied fields and results by name, with the units of the names; the first rows are the pair as drawn, one for
         each torque. NaN where a sample was refused.
+    violates : list of str
+        Requirements that a sample violates, with semicolons between them, row by row.
     errors : list of str
         Why a sample was refused, or an empty text, row by row.
     statistics : list of Statistics
         By point, torque and result.
     best : dict or None
-        Of a grid the point whose measure is least: `point`, `measure` (in words), its `value`, that of the pair
+        Of a grid or the optimizer the point whose measure is least: `point`, `measure` (in words), its `value`, that of the pair
         `as_drawn`, and the `fields`. The folder holds it as the pair file best.json.
     notes
         What the results leave out, one sentence each.
     """
 
     samples: dict[str, Array]
+    violates: list[str]
     errors: list[str]
     statistics: list[Statistics]
     best: dict[str, Any] | None
@@ -375,7 +380,7 @@ def _solve(pair: Pair, torques: Sequence[float], misalignments: Sequence[float],
 def study(
     pair: Pair,
     output: str | Path,
-    vary: Mapping[str, tuple[float, float] | tuple[float, float, int] | float],
+    vary: Mapping[str, Interval],
     *,
     iso_1328_class: int | None = None,
     samples: int | None = None,
@@ -384,6 +389,8 @@ def study(
     best: str | None = None,
     weights: Sequence[float] | None = None,
     judged_by: Literal["drawn", "mean", "worst"] | None = None,
+    require: Sequence[str] = (),
+    points: int | None = None,
     positions: int | None = None,
     root_stress: bool = False,
     restart: bool = False,
@@ -401,8 +408,8 @@ def study(
         Folder for samples.csv, study.json and study.html.
     vary
         By field of the pair file (`gear1.tip_relief.amount_um`), or `torque_nm`, `misalignment_mrad`,
-        `center_distance_offset_um`: the interval (low, high), the tolerance about the value in the file, or the grid
-        (low, high, points). Fields joined by commas share a value.
+        `center_distance_offset_um`: the interval (low, high), the tolerance about the value in the file, the grid
+        (low, high, points), or the range (low, high, "optimize") for the optimizer. Fields joined by commas share a value.
     iso_1328_class
         Draws the slopes of profile and helix of both gears within this class, 1 to 11, too.
     samples, seed
@@ -410,8 +417,12 @@ def study(
     torques_nm
         On gear 1; the nominal torque if None.
     best, weights, judged_by
-        Of a grid: the result that shall be least (a column of samples.csv), the weights of the torques in its mean, and
-        which samples of a point count.
+        Of a grid or the optimizer: the result that shall be least (a column of samples.csv), the weights of the torques in
+        its mean, and which samples of a point count.
+    require
+        Results with their limits, such as "maximum_pressure_mpa<1200"; that no point meets them is a `CommandError`.
+    points
+        Most points that the optimizer tries.
     positions, root_stress
         As in `solve`.
     restart
@@ -425,10 +436,11 @@ def study(
     """
     intervals = [f"--vary={name}={_interval(interval)}" for name, interval in vary.items()]
     more = {"iso_1328_class": iso_1328_class, "samples": samples, "seed": seed, "torques_nm": torques_nm}
-    more |= {"best": best, "weights": weights, "judged_by": judged_by}
+    more |= {"best": best, "weights": weights, "judged_by": judged_by, "points": points}
+    limits = [f"--require={limit}" for limit in require]
     more |= {"positions": positions, "root_stress": root_stress, "restart": restart}
     with _file(pair) as file:
-        run("study", file, "-o", output, "-q", *intervals, *_options({**more, **options}))
+        run("study", file, "-o", output, "-q", *intervals, *limits, *_options({**more, **options}))
     summary = json.loads(Path(output, "study.json").read_text(encoding="utf-8"))
     with open(Path(output, "samples.csv"), encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -437,9 +449,10 @@ def study(
     for row in summary["statistics"]:
         correlations = {key: dict(zip(varied, row[key])) for key in ("correlation", "correlation_of_distance")}
         statistics.append(Statistics(**{**row, **correlations}))
-    columns = [name for name in rows[0] if name not in ("sample", "error")]
+    columns = [name for name in rows[0] if name not in ("sample", "violates", "error")]
     numbers = {name: np.array([float(row[name] or "nan") for row in rows]) for name in columns}
-    return StudyResult(numbers, [row["error"] or "" for row in rows], statistics, summary["best"], summary["notes"])
+    words = [[row[name] or "" for row in rows] for name in ("violates", "error")]
+    return StudyResult(numbers, *words, statistics, summary["best"], summary["notes"])
 
 
 def inspect(file: str | Path) -> Inspection:
@@ -498,7 +511,7 @@ def settings(values: Mapping[str, Value] | None) -> list[str]:
     return [f"--set={name}={str(value).lower() if isinstance(value, bool) else value}" for name, value in (values or {}).items()]
 
 
-def _interval(interval: tuple[float, float] | tuple[float, float, int] | float) -> str:
+def _interval(interval: Interval) -> str:
     if isinstance(interval, (int, float)):
         return f"+-{interval}"
     points = "/".join(map(str, interval[2:]))

@@ -85,6 +85,21 @@ def test_study_of_a_grid_finds_its_best_point(tmp_path):
     assert best["gear1"]["tip_relief"]["amount_um"] == best["gear2"]["tip_relief"]["amount_um"] == amount
 
 
+def test_study_optimizes_within_its_requirements(tmp_path):
+    vary = {"gear1.tip_relief.amount_um": (0.0, 20.0, "optimize")}
+    options = {"best": "peak_to_peak_ste_loa_um", "points": 12, "positions": 8}
+    found = gearmesh.study(PAIR, tmp_path / "free", vary, **options, **QUICK)
+    pressures = found.samples["maximum_pressure_mpa"]
+    assert pressures.shape == (13,) and found.violates == [""] * 13
+    limit = 0.5 * (pressures[1:].min() + pressures[1:].max())
+    held = gearmesh.study(PAIR, tmp_path / "held", vary, **options, require=[f"maximum_pressure_mpa<{limit}"], **QUICK)
+    pressures = held.samples["maximum_pressure_mpa"]
+    assert [bool(words) for words in held.violates] == (pressures >= limit).tolist()
+    assert pressures[held.best["point"]] < limit
+    with pytest.raises(gearmesh.CommandError, match="no point meets all requirements"):
+        gearmesh.study(PAIR, tmp_path / "none", vary, **options, require=["maximum_pressure_mpa<1"], **QUICK)
+
+
 def test_inspect_knows_every_kind_of_file(fmus):
     for file, kind, row in ((fmus["fzg-c"], "fmu", "start: damping"), (TABLES / "fzg-c.json", "tables", "teeth"), (PAIR, "pair", "gear1")):
         shown = gearmesh.inspect(file)

@@ -151,6 +151,7 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
                 Style::Solid => (&[[4, 48]], 0),
                 Style::Dashed(_) => (&[[4, 18], [30, 48]], 0),
                 Style::Band(_) => (&[[4, 48]], 12),
+                Style::Dots => (&[[21, 31]], 5),
             };
             for [left, right] in marks {
                 let corners = [(*left, next - half), (*right, next + half)];
@@ -187,6 +188,10 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
                     let lower = curve.points.iter().zip(low).rev();
                     let corners = points.chain(lower.map(|((x, _), y)| (*x, *y)));
                     chart.draw_series([Polygon::new(corners.collect::<Vec<_>>(), style)])?;
+                }
+                Style::Dots => {
+                    style = colour(i).mix(0.7).filled();
+                    chart.draw_series(points.map(|point| Circle::new(point, 6, style)))?;
                 }
             }
             entry(&curve.style, style, &curve.label)?;

@@ -124,6 +124,8 @@ pub enum Style {
     Dashed(String),
     /// The area down to these heights.
     Band(Vec<f64>),
+    /// Every point by itself.
+    Dots,
 }
 
 impl Curve {

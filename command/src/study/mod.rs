@@ -1,43 +1,52 @@
 //! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
+mod search;
 mod setup;
 mod show;
 mod statistics;
 mod variation;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use gearmesh::gear::tolerance;
 use gearmesh::pair::Pair;
 use gearmesh::words::hex;
 use gearmesh_preprocessor::pair::{self, PairDraft};
+use indicatif::HumanDuration;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use crate::error::Result;
-use crate::model::{ModelArgs, ShaftArgs, widen};
+use crate::model::{Model, ModelArgs, ShaftArgs, widen};
+use crate::output::Job;
 use crate::page::origin;
 use crate::{limits, output};
 use setup::{FLANK, MOST_CYCLES, Setup};
-use show::Summary;
 pub use show::bands_of;
-use statistics::{BestArgs, outcomes};
+use show::{Known, Summary};
+use statistics::{BestArgs, Nearest, Sample, outcomes};
 use variation::{Plan, Requested};
 
-/// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
+/// Points that the optimizer tries by default for each range: some CMA-ES needs to gather within the last hundredth of it.
+const POINTS: usize = 150;
+
+/// Solve the mesh cycle of a pair on a grid of modifications or where an optimizer looks for the best one, and of samples within
+/// tolerances.
 ///
-/// A grid has every combination of its values, and its best point is written as a pair file. A study that was stopped goes on
-/// where it was when it is started again.
+/// A grid has every combination of its values; the optimizer tries points within ranges. The best point is written as a pair file.
+/// A study that was stopped goes on where it was when it is started again.
 #[derive(Debug, Args)]
 pub struct Study {
     /// Pair file
     pair: PathBuf,
 
     /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and its values; repeatable.
-    /// FIELD=LOW..HIGH/POINTS: on a grid, several fields with commas between them share a value. FIELD=LOW..HIGH: drawn in
-    /// that interval. FIELD=+-TOLERANCE: drawn about the value in the file, or about that of the grid
+    /// FIELD=LOW..HIGH/POINTS: on a grid; FIELD=LOW..HIGH/optimize: for the optimizer to choose; in both several fields with
+    /// commas between them share a value. FIELD=LOW..HIGH: drawn in that interval. FIELD=+-TOLERANCE: drawn about the value
+    /// in the file, or about that of the point
     #[arg(long, value_name = "FIELD=VALUES", value_parser = Requested::parse)]
     vary: Vec<Requested>,
 
@@ -45,11 +54,15 @@ pub struct Study {
     #[arg(long, value_name = "CLASS", value_parser = class)]
     iso_1328_class: Option<u8>,
 
-    /// Number of samples of what is drawn [default: 500; on a grid 20 for each point]
+    /// Most points that the optimizer tries [default: 150 for each range]
+    #[arg(long, value_parser = limits::within(1..=MOST_CYCLES))]
+    points: Option<usize>,
+
+    /// Number of samples of what is drawn [default: 500; on a grid or for the optimizer 20 for each point]
     #[arg(long, value_parser = limits::within(1..=MOST_CYCLES))]
     samples: Option<usize>,
 
-    /// Another seed draws other samples
+    /// Another seed draws other samples, and has the optimizer try other points
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
@@ -64,7 +77,7 @@ pub struct Study {
     #[arg(long, default_value_t = 32, value_parser = limits::within(3..=limits::MOST_POSITIONS))]
     positions: usize,
 
-    /// Folder for samples.csv, study.json, study.html, its charts, and of a grid best.json; it is made if it is not there
+    /// Folder for samples.csv, study.json, study.html, its charts, and the best point as best.json; it is made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
 
@@ -98,12 +111,23 @@ impl Study {
         let samples = match (plan.drawn.is_empty(), self.samples) {
             (true, _) => 0,
             (_, Some(samples)) => samples,
-            _ if plan.grid.is_empty() => 500,
+            _ if plan.axes.is_empty() => 500,
             _ => 20,
         };
+        let points = match self.points {
+            _ if !plan.is_optimized() => plan.points(),
+            Some(points) => points,
+            None => POINTS * plan.axes.len(),
+        };
+        if let (false, Some(points)) = (plan.is_optimized(), self.points) {
+            refuse!(
+                "--points = {points}: nothing is optimized; give --vary FIELD=LOW..HIGH/optimize, too, or leave it out"
+            );
+        }
         let outcomes = outcomes(self.model.root_stress);
-        let setup = Setup {
+        let mut setup = Setup {
             measure: self.best.measure(&outcomes, &torques)?,
+            requirements: self.best.requirements(&outcomes)?,
             draft,
             plan,
             torques,
@@ -111,10 +135,9 @@ impl Study {
             seed: self.seed,
             positions: self.positions,
         };
-        setup.check(&drawn, samples)?;
-        let Setup { plan, torques, .. } = &setup;
+        setup.check(&drawn, samples, points)?;
         let range = |field: &str, unit: f64| {
-            let varied = plan.all().filter(|v| v.fields().any(|f| f == field));
+            let varied = setup.plan.all().filter(|v| v.fields().any(|f| f == field));
             let ends = varied.map(|v| [v.low, v.high].map(|end| end * unit));
             let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
             ends.fold([0.0; 2], wider)
@@ -122,7 +145,7 @@ impl Study {
         let tilts = range("misalignment_mrad", 1e-3);
         let offsets = range("center_distance_offset_um", 1e-6);
         let [_, largest] = range("torque_nm", 1.0);
-        for torque in torques.iter().copied().chain([largest]) {
+        for torque in setup.torques.iter().copied().chain([largest]) {
             widen(&mut pair, torque, tilts, offsets);
         }
 
@@ -132,79 +155,228 @@ impl Study {
         for path in [&table, &summary, &page, &best] {
             output::check_writable(path, [&self.pair])?;
         }
-        let identity = self.identity(&pair, &setup);
+        let identity = self.identity(&pair, &setup, samples);
         let done = match !self.restart && is_begun(&summary, &identity)? {
             true => setup.read(&table)?,
             false => Vec::new(),
         };
-        // More samples than requested now stay in the table.
-        let all = (0..=plan.points()).flat_map(|p| (0..=samples).map(move |number| (p, number)));
-        let is_missing = |id: &(usize, usize)| done.iter().all(|s| (s.point, s.number) != *id);
-        let missing: Vec<(usize, usize)> = all.filter(is_missing).collect();
-        let name = pair.name.clone();
-        let mut all = Summary {
-            setup: &setup,
-            done,
-            pair: &name,
-            identity: &identity,
-            seed: self.seed,
-            distribution: "even",
-            varied: plan.all().collect(),
-            torques_nm: torques,
-            samples,
-            refused: 0,
-            best: None,
-            statistics: Vec::new(),
+        let known = Known {
+            pair: pair.name.clone(),
+            identity,
             notes: pair::note_on_teeth(&pair.teeth).into_iter().collect(),
         };
-        all.write(&summary)?;
+        Summary::new(&setup, &known, Vec::new(), samples).write(&summary)?;
 
         let job = self.model.start()?;
         let roots = self.model.root_stress.then_some(FLANK);
         let model = self.model.model(&pair, roots, &job)?;
-        let finished = AtomicUsize::new(0);
-        // A block at a time is written, so that little is lost by a kill.
-        for block in missing.chunks(4 * rayon::current_num_threads()) {
-            let solved = block.par_iter().map(|&(point, number)| {
-                let sample = setup.sample(&pair, &model, point, number);
-                let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                job.show("samples", count as f64 / missing.len() as f64);
-                sample
-            });
-            all.done.par_extend(solved);
-            all.done.sort_by_key(|sample| (sample.point, sample.number));
-            setup.write(&table, &all.done)?;
+        let mut work = Work {
+            table,
+            pair,
+            model,
+            done,
+            total: (points + 1) * (samples + 1),
+            loads: setup.torques.len(),
+            is_optimized: setup.plan.is_optimized(),
+            forecast: None,
+            job,
+        };
+        let of_point = |point: usize| (0..=samples).map(move |number| (point, number));
+        let mut search_ended = None;
+        if setup.plan.is_optimized() {
+            work.solve(&setup, of_point(0))?;
+            search_ended = Some(work.optimize(&mut setup, samples, points)?);
+        } else {
+            work.solve(&setup, (0..=points).flat_map(of_point))?;
         }
+        let Work {
+            done, job, table, ..
+        } = work;
         drop(job);
+        // Other requirements mark the same samples anew.
+        setup.write(&table, &done)?;
 
-        let done = &all.done;
-        all.best = setup.best(done)?;
-        all.statistics.extend(setup.spread(done, 0)?);
-        if let Some(found) = &all.best {
-            all.statistics.extend(setup.spread(done, found.point)?);
-            let mut draft = setup.changed(&plan.values(found.point, 0, self.seed))?;
-            draft.rename(&format!("{name}-best"));
+        let found = setup.best(&done)?;
+        let mut statistics = setup.spread(&done, 0)?;
+        let mut violations = setup.violations(&done, 0);
+        if let Some(found) = &found {
+            statistics.extend(setup.spread(&done, found.point)?);
+            violations.extend(setup.violations(&done, found.point));
+            let mut draft =
+                setup.changed(found.point, &setup.plan.values(found.point, 0, self.seed))?;
+            draft.rename(&format!("{}-best", known.pair));
             output::write_whole(&best, draft.to_json().as_bytes())?;
+        } else if best.exists() {
+            // Of an earlier run with other requirements.
+            std::fs::remove_file(&best)?;
         }
-        all.refused = done.iter().filter(|s| s.outcome.is_err()).count();
-        all.samples = done.iter().map(|s| s.number).max().unwrap_or(0);
+        // More samples than requested now stay in the table.
+        let samples = done.iter().map(|s| s.number).max().unwrap_or(0);
+        let nearest = setup.nearest(&done).filter(|_| found.is_none());
+        let all = Summary {
+            best: found,
+            nearest,
+            statistics,
+            violations,
+            search_ended,
+            ..Summary::new(&setup, &known, done, samples)
+        };
         all.write(&summary)?;
         let text = all.text();
         let figures = self.output.join("figures");
         output::make_folder("--output", &figures)?;
         all.page(&text, origin).write(&page, Some(&figures))?;
-        output::print(&text)
+        output::print(&text)?;
+        match all.nearest {
+            None => Ok(()),
+            Some(Nearest { point, violates }) => refuse!(
+                "no point meets all requirements, so that best.json is not written; point {point} comes nearest and violates \
+                 {violates}: relax a requirement, or vary more fields or wider"
+            ),
+        }
     }
 
-    fn identity(&self, pair: &Pair, Setup { plan, torques, .. }: &Setup) -> String {
+    fn identity(&self, pair: &Pair, setup: &Setup, samples: usize) -> String {
+        let Setup { plan, torques, .. } = setup;
         let (seed, positions, args) = (self.seed, self.positions, &self.model);
         let (settings, plane_strain) = (args.settings().contact(pair), args.plane_strain);
         let roots = if args.root_stress { " root stress" } else { "" };
+        // What the optimizer tries depends on how it judges.
+        let judged = match plan.is_optimized() {
+            true => format!(" {:?} {:?} {samples}", setup.measure, setup.requirements),
+            false => String::new(),
+        };
         let version = env!("CARGO_PKG_VERSION");
         let all = format!(
-            "{version} {pair:?} {plan:?} {seed} {positions} {torques:?} {settings:?} {plane_strain}{roots}"
+            "{version} {pair:?} {plan:?} {seed} {positions} {torques:?} {settings:?} {plane_strain}{roots}{judged}"
         );
         hex(&Sha256::digest(all)[..16])
+    }
+}
+
+/// A time ahead, as exact as a forecast is.
+fn about(time: Duration) -> String {
+    match time.as_secs() {
+        0 => "less than a second".into(),
+        _ => format!("about {}", HumanDuration(time)),
+    }
+}
+
+/// What is solved, and where it is kept.
+struct Work {
+    table: PathBuf,
+    pair: Pair,
+    model: Model,
+    done: Vec<Sample>,
+    /// Most samples of the study.
+    total: usize,
+    /// Of each sample.
+    loads: usize,
+    is_optimized: bool,
+    /// Since when how many samples were solved; None before the first.
+    forecast: Option<(Instant, usize)>,
+    job: Job,
+}
+
+impl Work {
+    /// Solves those of `samples`, by point and number, that are not there, and keeps them on disk.
+    fn solve(
+        &mut self,
+        setup: &Setup,
+        samples: impl Iterator<Item = (usize, usize)>,
+    ) -> Result<()> {
+        let is_done: HashSet<(usize, usize)> =
+            self.done.iter().map(|s| (s.point, s.number)).collect();
+        let missing: Vec<(usize, usize)> = samples.filter(|id| !is_done.contains(id)).collect();
+        let mut rest = &missing[..];
+        while !rest.is_empty() {
+            let threads = rayon::current_num_threads();
+            // A block at a time is written, so that little is lost by a kill; the first one shows how long they take.
+            let size = if self.forecast.is_some() {
+                4 * threads
+            } else {
+                threads
+            };
+            let (block, more) = rest.split_at(size.min(rest.len()));
+            let begin = Instant::now();
+            let (pair, model) = (&self.pair, &self.model);
+            let solved = block
+                .par_iter()
+                .map(|&(point, number)| setup.sample(pair, model, point, number));
+            self.done.par_extend(solved);
+            self.done
+                .sort_by_key(|sample| (sample.point, sample.number));
+            setup.write(&self.table, &self.done)?;
+            self.show(block.len(), begin);
+            rest = more;
+        }
+        Ok(())
+    }
+
+    /// Says after the first samples how long all will take, then how far they are.
+    fn show(&mut self, solved: usize, begin: Instant) {
+        let left = self.total.saturating_sub(self.done.len());
+        let (since, before) = *self.forecast.get_or_insert_with(|| {
+            let each = begin.elapsed() / solved as u32;
+            let loads = match self.loads {
+                1 => String::new(),
+                loads => format!(" at {loads} torques"),
+            };
+            let most = if self.is_optimized { "at most " } else { "" };
+            let words = format!(
+                "{most}{left} of {} samples{loads} to solve, {:.2} s each: {}; Ctrl-C stops, the same command goes on",
+                self.total,
+                each.as_secs_f64(),
+                about(each * left as u32)
+            );
+            self.job.note(&words);
+            (begin, self.done.len() - solved)
+        });
+        let each = since.elapsed() / (self.done.len() - before).max(1) as u32;
+        let left = about(each * left as u32);
+        let share = self.done.len() as f64 / self.total as f64;
+        self.job
+            .show(&format!("samples, {left} left"), share.min(1.0));
+    }
+
+    /// Has the optimizer try at most `most` points with their `samples`, and returns whether they gathered in one place.
+    fn optimize(&mut self, setup: &mut Setup, samples: usize, most: usize) -> Result<bool> {
+        let axes = setup.plan.axes.clone();
+        let has_ended = search::search(axes.len(), setup.seed, |shares| {
+            let values = axes
+                .iter()
+                .zip(shares)
+                .map(|(axis, share)| axis.at_share(*share));
+            let values: Vec<f64> = values.collect();
+            let tried = &mut setup.plan.tried;
+            let known = tried.iter().position(|known| *known == values);
+            let point = match known {
+                Some(known) => known + 1,
+                None if tried.len() == most => return Ok(None),
+                None => {
+                    tried.push(values);
+                    tried.len()
+                }
+            };
+            let fields = setup.plan.values(point, 0, setup.seed);
+            let is_other = |s: &&Sample| (s.point, s.number) == (point, 0) && s.fields != fields;
+            if self.done.iter().any(|s| is_other(&s)) {
+                let table = self.table.display();
+                refuse!(
+                    "{table}: point {point} is not the one that the optimizer tries; begin anew with --restart"
+                );
+            }
+            self.solve(setup, (0..=samples).map(|number| (point, number)))?;
+            Ok(Some(setup.cost(&self.done, point)))
+        })?;
+        // Those of an earlier run that was allowed more count, too.
+        for sample in self.done.iter().filter(|s| s.number == 0) {
+            if sample.point == setup.plan.tried.len() + 1 {
+                let values = setup.plan.axes_of(&sample.fields);
+                setup.plan.tried.push(values);
+            }
+        }
+        Ok(has_ended)
     }
 }
 

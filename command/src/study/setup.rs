@@ -10,8 +10,10 @@ use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair::PairDraft;
 use gearmesh_preprocessor::storage::csv_reader;
 
-use super::statistics::{Best, Measure, Outcome, Sample, Statistics};
-use super::variation::Plan;
+use super::statistics::{
+    Best, Measure, Nearest, Outcome, Requirement, Sample, Statistics, Violations,
+};
+use super::variation::{Plan, Variation};
 use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::error::Result;
@@ -32,6 +34,7 @@ pub struct Setup {
     pub torques: Vec<f64>,
     pub outcomes: Vec<Outcome>,
     pub measure: Measure,
+    pub requirements: Vec<Requirement>,
     pub seed: u64,
     pub positions: usize,
 }
@@ -48,11 +51,13 @@ fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
 }
 
 impl Setup {
-    /// The pair file with the `values` of varied fields that differ from those as drawn, loads apart.
-    pub fn changed(&self, values: &[f64]) -> Result<PairDraft> {
+    /// The pair file with the `values` of varied fields that differ from those as drawn, loads apart; at a `point` of its own also
+    /// those of its axes that the file does not have.
+    pub fn changed(&self, point: usize, values: &[f64]) -> Result<PairDraft> {
         let mut draft = self.draft.clone();
         for ((field, drawn), value) in self.plan.fields.iter().zip(values) {
-            if value != drawn && load_limit(field, *value).is_none() {
+            let is_changed = value != drawn || (point > 0 && self.plan.is_on_axis(field));
+            if is_changed && load_limit(field, *value).is_none() {
                 draft.set(field, *value)?;
             }
         }
@@ -61,13 +66,14 @@ impl Setup {
 
     /// Refuses what is not there, what `pair` may not have, what changes the teeth or nothing, and more than can be solved,
     /// before anything is computed.
-    pub fn check(&self, pair: &Pair, samples: usize) -> Result<()> {
+    pub fn check(&self, pair: &Pair, samples: usize, points: usize) -> Result<()> {
         let Setup { plan, torques, .. } = self;
-        // Fields of a grid may need each other.
-        let base = match plan.points() {
-            0 => self.draft.clone(),
-            _ => self.changed(&plan.values(1, 0, 0))?,
+        // Fields of the axes may need each other.
+        let corner = |end: fn(&Variation) -> f64| {
+            let values: Vec<f64> = plan.axes.iter().map(end).collect();
+            self.changed(values.len(), &plan.placed(&values))
         };
+        let base = corner(|axis| axis.low)?;
         for variation in plan.all() {
             let field = &variation.field;
             let mut acts = false;
@@ -98,6 +104,15 @@ impl Setup {
                 }
                 acts |= found.microgeometry.flank(FLANK) != drawn || found.shafts != pair.shafts;
             }
+            // At zero relief its start says nothing.
+            let at_high = [variation.low, variation.high].map(|value| {
+                let mut changed = corner(|axis| axis.high).ok()?;
+                let mut fields = variation.fields();
+                fields.try_for_each(|name| changed.set(name, value)).ok()?;
+                let found = changed.pair().ok()?;
+                Some((found.microgeometry.flank(FLANK).clone(), found.shafts))
+            });
+            acts |= matches!(&at_high, [Some(low), Some(high)] if low != high);
             if !acts {
                 refuse!(
                     "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment \
@@ -105,9 +120,9 @@ impl Setup {
                 );
             }
         }
-        if (plan.grid.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
+        if (plan.axes.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
             refuse!(
-                "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
+                "--vary = torque_nm on a grid or to optimize: torques have no best; give them as --torques-nm"
             );
         }
         if plan.is_varied("torque_nm") && torques.len() > 1 {
@@ -115,18 +130,18 @@ impl Setup {
                 "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
             );
         }
-        let factors = [plan.points() + 1, samples + 1, torques.len()].into_iter();
+        let factors = [points + 1, samples + 1, torques.len()].into_iter();
         let count = factors.fold(1, usize::saturating_mul);
         if let Err(e) = limits::check(Some(count), &(1..=MOST_CYCLES)) {
-            refuse!("points of the grid times samples times torques = {count}: {e}");
+            refuse!("points times samples times torques = {count}: {e}");
         }
         Ok(())
     }
 
-    /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
+    /// Sample `number` (0: the point itself) at `point` (0: as drawn).
     pub fn sample(&self, pair: &Pair, model: &Model, point: usize, number: usize) -> Sample {
         let fields = self.plan.values(point, number, self.seed);
-        let outcome = self.solve(pair, model, &fields);
+        let outcome = self.solve(pair, model, point, &fields);
         Sample {
             point,
             number,
@@ -136,7 +151,13 @@ impl Setup {
     }
 
     /// The outcomes at each torque of `pair`, whose operating range is widened to what is varied, with the `values` of the fields.
-    fn solve(&self, pair: &Pair, model: &Model, values: &[f64]) -> Result<Vec<Vec<f64>>> {
+    fn solve(
+        &self,
+        pair: &Pair,
+        model: &Model,
+        point: usize,
+        values: &[f64],
+    ) -> Result<Vec<Vec<f64>>> {
         let load = |name: &str| {
             let index = self.plan.fields.iter().position(|(field, _)| field == name);
             index.map(|k| values[k])
@@ -151,7 +172,7 @@ impl Setup {
             misalignment,
             positions: self.positions,
         };
-        let changed = self.changed(values)?.pair()?;
+        let changed = self.changed(point, values)?.pair()?;
         let on_shafts = pair.shafts.iter().any(Option::is_some);
         let pair = Pair {
             microgeometry: changed.microgeometry,
@@ -207,7 +228,7 @@ impl Setup {
             "point" => s.point;
             "sample" => s.number;
         };
-        if self.plan.grid.is_empty() {
+        if self.plan.axes.is_empty() {
             all.remove(0);
         }
         if !self.plan.is_varied("torque_nm") {
@@ -220,8 +241,78 @@ impl Setup {
             all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
         }
         let error = |s: &Sample| s.outcome.as_ref().err().cloned();
-        all.extend(columns! { |(_, s): &(usize, &Sample)| "error" => error(s); });
+        all.extend(columns! { |(_, s): &(usize, &Sample)|
+            "violates" => self.violated(s);
+            "error" => error(s);
+        });
         all
+    }
+
+    /// The requirements that `sample` violates at any torque, with semicolons between them.
+    fn violated(&self, sample: &Sample) -> String {
+        let violated = self
+            .requirements
+            .iter()
+            .filter(|r| r.missed(sample).is_some());
+        violated
+            .map(Requirement::words)
+            .collect::<Vec<_>>()
+            .join("; ")
+    }
+
+    /// The result that the measure takes.
+    pub fn measured(&self) -> &str {
+        &self.outcomes[self.measure.result].name
+    }
+
+    /// How many of the solved samples of `point` violate each requirement.
+    pub fn violations(&self, done: &[Sample], point: usize) -> Vec<Violations> {
+        let samples = || {
+            done.iter()
+                .filter(|s| s.point == point && s.outcome.is_ok())
+        };
+        let count = |requirement: &Requirement| Violations {
+            point,
+            requirement: requirement.words(),
+            samples: samples().count(),
+            violated: samples()
+                .filter(|s| requirement.missed(s).is_some())
+                .count(),
+        };
+        self.requirements.iter().map(count).collect()
+    }
+
+    /// By how much `point` misses the requirements together; None where it meets them all.
+    fn missed(&self, done: &[Sample], point: usize) -> Option<f64> {
+        let worst = |requirement: &Requirement| {
+            let samples = self.measure.counting(done, point);
+            samples
+                .filter_map(|s| requirement.missed(s))
+                .reduce(f64::max)
+        };
+        self.requirements
+            .iter()
+            .filter_map(worst)
+            .reduce(|a, b| a + b)
+    }
+
+    /// What the optimizer makes least at `point`: from 0 to 1 the measure where the point meets all requirements, from 1 to 2
+    /// by how much it misses them, 2 where it was refused. Only the order of points counts (Deb, Computer Methods in Applied
+    /// Mechanics and Engineering 186 (2000) 311-338).
+    pub fn cost(&self, done: &[Sample], point: usize) -> f64 {
+        let Some(measure) = self.measure.of(done, point) else {
+            return 2.0;
+        };
+        let scale = self
+            .measure
+            .of(done, 0)
+            .filter(|drawn| *drawn > 0.0)
+            .unwrap_or(1.0);
+        match self.missed(done, point) {
+            None => measure / (measure + scale),
+            Some(missed) if missed.is_finite() => 1.0 + missed / (1.0 + missed),
+            Some(_) => 2.0,
+        }
     }
 
     pub fn write(&self, path: &Path, samples: &[Sample]) -> Result<()> {
@@ -249,9 +340,11 @@ impl Setup {
             return Err(wrong("columns of another study").into());
         }
         let last = columns.len() - 1;
-        let results = last - self.outcomes.len();
+        // Before it stands what a sample violates, which follows from its results.
+        let judged = last - 1;
+        let results = judged - self.outcomes.len();
         let fields = results - self.plan.fields.len();
-        let ids = if self.plan.grid.is_empty() { 1 } else { 2 };
+        let ids = if self.plan.axes.is_empty() { 1 } else { 2 };
         let mut samples: Vec<Sample> = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| wrong(&error.to_string()))?;
@@ -273,7 +366,7 @@ impl Setup {
             let number_of = ids - 1;
             let point = if ids == 2 { whole(0)? } else { 0 };
             let sample = whole(number_of)?;
-            let numbers: Vec<f64> = (fields..last).map(number).collect::<Result<_, _>>()?;
+            let numbers: Vec<f64> = (fields..judged).map(number).collect::<Result<_, _>>()?;
             let (values, found) = numbers.split_at(results - fields);
             match samples.last_mut() {
                 // Another torque of the same sample.
@@ -312,22 +405,45 @@ impl Setup {
         Ok(samples)
     }
 
-    /// The points of the grid that have a measure, best first.
+    /// The points that have a measure and meet all requirements, best first.
     pub fn ranking(&self, done: &[Sample]) -> Vec<(usize, f64)> {
-        let measured = |point| Some((point, self.measure.of(done, point)?));
+        let measured = |point| {
+            let value = self.measure.of(done, point)?;
+            self.missed(done, point).is_none().then_some((point, value))
+        };
         let mut all: Vec<_> = (1..=self.plan.points()).filter_map(measured).collect();
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         all
     }
 
-    /// The best point, None where there is no grid; a grid of which no point could be solved is refused.
+    /// The solved point that misses the requirements by least.
+    pub fn nearest(&self, done: &[Sample]) -> Option<Nearest> {
+        let missed = |point| {
+            self.measure.of(done, point)?;
+            Some((point, self.missed(done, point)?))
+        };
+        let points = (1..=self.plan.points()).filter_map(missed);
+        let (point, _) = points.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let counting = || self.measure.counting(done, point);
+        let violated = self.requirements.iter();
+        let violated = violated.filter(|r| counting().any(|s| r.missed(s).is_some()));
+        let words: Vec<String> = violated.map(Requirement::words).collect();
+        let violates = words.join(" and ");
+        Some(Nearest { point, violates })
+    }
+
+    /// The best point; None where there is no axis, or where no point meets the requirements; that none could be solved is
+    /// refused.
     pub fn best(&self, done: &[Sample]) -> Result<Option<Best>> {
         let Setup { plan, measure, .. } = self;
-        if plan.grid.is_empty() {
+        if plan.axes.is_empty() {
             return Ok(None);
         }
         let Some(&(point, value)) = self.ranking(done).first() else {
-            refuse!("no point of the grid could be solved; samples.csv says why");
+            if self.nearest(done).is_some() {
+                return Ok(None);
+            }
+            refuse!("no point could be solved; samples.csv says why");
         };
         let fields = plan.fields.iter().map(|(field, _)| field.clone());
         Ok(Some(Best {

@@ -1,12 +1,15 @@
 //! What a study prints, and the same as an HTML page with charts.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use gearmesh::words::{count, fixed, rounded, shown};
 use serde::{Deserialize, Serialize};
 
 use super::setup::Setup;
-use super::statistics::{Best, Outcome, Sample, Statistics, ascending, outcomes};
+use super::statistics::{
+    Best, Nearest, Outcome, Sample, Statistics, Violations, ascending, outcomes,
+};
 use super::variation::Variation;
 use crate::case::torque_in_words;
 use crate::columns::{Listing, columns, table};
@@ -19,8 +22,16 @@ The first correlation is near zero for a field that acts alike in both direction
 is from its value as drawn, shows it. What fields do together (slopes of both gears that cancel) shows in neither.
 ";
 
-/// Points of a grid in the table of the best ones.
+/// Points in the table of the best ones.
 const BEST: usize = 10;
+
+/// What is known of a study before it is solved.
+pub struct Known {
+    pub pair: String,
+    pub identity: String,
+    /// What is to be known of the results, one sentence each; empty where there is nothing.
+    pub notes: Vec<&'static str>,
+}
 
 /// What study.json holds, and with the setup and all samples what is shown.
 #[derive(Serialize)]
@@ -37,12 +48,46 @@ pub struct Summary<'a> {
     pub torques_nm: &'a [f64],
     pub samples: usize,
     pub refused: usize,
-    /// Of the grid, by the measure that was chosen.
+    /// By the measure that was chosen, of the points that meet all requirements.
     pub best: Option<Best>,
+    /// Where no point meets them.
+    pub nearest: Option<Nearest>,
+    /// Whether the points that the optimizer tried gathered in one place; None without it.
+    pub search_ended: Option<bool>,
     /// Of the pair as drawn at each torque, then of the best point.
     pub statistics: Vec<Statistics>,
-    /// What is to be known of the results, one sentence each; empty where there is nothing.
-    pub notes: Vec<&'static str>,
+    /// Of the same points.
+    pub violations: Vec<Violations>,
+    pub notes: &'a [&'static str],
+}
+
+impl<'a> Summary<'a> {
+    /// Of the samples that are `done`, without what follows from them.
+    pub fn new(
+        setup: &'a Setup,
+        known: &'a Known,
+        done: Vec<Sample>,
+        samples: usize,
+    ) -> Summary<'a> {
+        Summary {
+            setup,
+            pair: &known.pair,
+            identity: &known.identity,
+            seed: setup.seed,
+            distribution: "even",
+            varied: setup.plan.all().collect(),
+            torques_nm: &setup.torques,
+            samples,
+            refused: done.iter().filter(|s| s.outcome.is_err()).count(),
+            done,
+            best: None,
+            nearest: None,
+            search_ended: None,
+            statistics: Vec::new(),
+            violations: Vec::new(),
+            notes: &known.notes,
+        }
+    }
 }
 
 impl Summary<'_> {
@@ -53,20 +98,25 @@ impl Summary<'_> {
 
     pub fn text(&self) -> String {
         let plan = &self.setup.plan;
-        let grid = match plan.points() {
+        let points = match plan.points() {
             0 => String::new(),
+            points if plan.is_optimized() => format!("{} tried, ", count(points, "point")),
             points => format!("{} of a grid, ", count(points, "point")),
         };
         let mut rows = Listing::default();
         for v in plan.all() {
             let how = v.points.map(|points| format!("{points} points"));
-            let how = how.unwrap_or("even".into());
-            rows.row(&v.field, format!("{} to {}, {how}", v.low, v.high));
+            let how = how.unwrap_or(if v.optimized { "optimized" } else { "even" }.into());
+            rows.row(v.label(), format!("{} to {}, {how}", v.low, v.high));
         }
+        let samples = match (self.samples, plan.points()) {
+            (0, 1..) => String::new(),
+            (samples, 0) => count(samples, "sample") + ", ",
+            (samples, _) => count(samples, "sample") + " each, ",
+        };
         let mut text = format!(
-            "{}: {grid}{}, {} refused, seed {}\n\n{rows}\n",
+            "{}: {points}{samples}{} refused, seed {}\n\n{rows}\n",
             shown(self.pair),
-            count(self.samples, "sample"),
             self.refused,
             self.seed
         );
@@ -77,23 +127,45 @@ impl Summary<'_> {
                 "", ["point", "", None] => *point;
                 "", ["measure", "", 4] => *value;
             };
-            for (k, (field, _)) in plan.fields.iter().enumerate() {
+            for (k, axis) in plan.axes.iter().enumerate() {
                 columns.extend(columns! { |(point, _): &(usize, f64)|
-                    "", [field, "", None] => plan.values(*point, 0, 0)[k];
+                    "", [axis.label(), "", None] => plan.at(*point)[k];
                 });
             }
             let ranking = self.setup.ranking(&self.done);
             text += &table(&columns, ranking.into_iter().take(BEST));
-            let axes = plan.grid.iter().zip(plan.indices(best.point));
-            let ends = axes.filter(|(axis, i)| *i == 0 || axis.points == Some(i + 1));
-            let ends: Vec<&str> = ends.map(|(axis, _)| &*axis.field).collect();
+            let axes = plan.axes.iter().zip(plan.at(best.point));
+            let ends = axes.filter(|(axis, value)| *value == axis.low || *value == axis.high);
+            let ends: Vec<String> = ends.map(|(axis, _)| axis.label()).collect();
             if !ends.is_empty() {
                 text += &format!(
-                    "\nnote: the best point is at an end of the grid in {}; a wider grid may hold a better one\n",
+                    "\nnote: the best point is at an end of {}; a wider range may hold a better one\n",
                     ends.join(" and ")
                 );
             }
+            if self.search_ended == Some(false) {
+                text += "\nnote: the optimizer had not settled when it had tried as many points as --points allows; the same command \
+                         with more of them goes on\n";
+            }
             text.push('\n');
+        }
+        if let Some(Nearest { point, violates }) = &self.nearest {
+            text += &format!(
+                "no point meets all requirements; point {point} comes nearest and violates {violates}:\n\n"
+            );
+            let rows = plan.axes.iter().zip(plan.at(*point));
+            let mut fields = Listing::default();
+            rows.for_each(|(axis, value)| fields.row(axis.label(), value.to_string()));
+            text += &format!("{fields}\n");
+        }
+        if !self.violations.is_empty() {
+            let violations = columns! { |v: &&Violations|
+                "", ["requirement", "", None] => v.requirement.clone();
+                "", ["point", "", None] => match v.point { 0 => "as drawn", _ => "best" };
+                "", ["samples", "", None] => v.samples;
+                "", ["violate it", "", None] => v.violated;
+            };
+            text += &format!("{}\n", table(&violations, &self.violations));
         }
         let spread = columns! { |s: &&Statistics|
             "", ["result", "", None] => s.result.clone();
@@ -148,18 +220,32 @@ impl Summary<'_> {
     }
 
     pub fn page(&self, text: &str, origin: String) -> Page {
-        let note = "Drawn fields are drawn evenly from their interval; 5 % and 95 %: a twentieth of the samples lies below, above.";
+        let note = match self.samples {
+            0 => "",
+            _ => {
+                "Drawn fields are drawn evenly from their interval; 5 % and 95 %: a twentieth of the samples lies below, above."
+            }
+        };
         let mut sections = vec![Section::new("In numbers", note, vec![]).with_text(text.into())];
-        if self.best.is_some() {
-            let measure = &self.setup.measure.words;
-            let note = format!("Measure: {measure}. A curve has the best of all other fields.");
+        let measure = &self.setup.measure.words;
+        if self.search_ended.is_some() {
+            let note = format!("Measure: {measure}. Each dot is a point that the optimizer tried.");
+            sections.push(Section::new("Points tried", note, self.tried()));
+        } else if !self.setup.plan.axes.is_empty() {
+            let met = match self.setup.requirements[..] {
+                [] => "",
+                _ => " that meet all requirements",
+            };
+            let note = format!(
+                "Measure: {measure}. A curve has the best of all other fields, of the points{met}."
+            );
             sections.push(Section::new("Grid", note, self.grid()));
         }
         if self.torques_nm.len() > 1 {
             sections.push(bands(&self.statistics));
         }
         if self.samples > 0 {
-            let note = "Share of the samples up to a value; the vertical line is the point itself.";
+            let note = "Share of the samples up to a value; a vertical line is the point itself, or the limit of a requirement.";
             let heading = "Cumulative distribution";
             sections.push(Section::new(heading, note, self.distributions()));
         }
@@ -171,14 +257,15 @@ impl Summary<'_> {
     }
 
     fn grid(&self) -> Vec<Figure> {
-        let Setup { plan, measure, .. } = self.setup;
+        let plan = &self.setup.plan;
+        let name = self.setup.measured();
         let ranking = self.setup.ranking(&self.done);
         let nodes = |axis: &Variation| -> Vec<f64> {
             let all = 0..axis.points.unwrap_or(0);
             all.map(|i| axis.value(i)).collect()
         };
         let mut figures = Vec::new();
-        for (k, axis) in plan.grid.iter().enumerate() {
+        for (k, axis) in plan.axes.iter().enumerate() {
             let best = |(i, x): (usize, f64)| {
                 let is_own = |(point, _): &&(usize, f64)| plan.indices(*point)[k] == i;
                 let best = ranking.iter().find(is_own);
@@ -186,16 +273,58 @@ impl Summary<'_> {
             };
             let points = nodes(axis).into_iter().enumerate().map(best);
             figures.extend(charts! {
-                format!("Measure over {}", axis.field), [&axis.field, "measure"], Height::FromZero(0.0)
+                format!("Measure over {}", axis.label()), [&axis.label(), name], Height::FromZero(0.0)
                     => vec![Curve::new("best", points)];
             });
         }
-        if let [x, y] = &plan.grid[..] {
+        if let [x, y] = &plan.axes[..] {
             let points = 1..=plan.points();
-            let values = points.map(|p| measure.of(&self.done, p).unwrap_or(f64::NAN));
-            let map = Map::on_nodes([&nodes(x), &nodes(y)], values, 0.0);
+            let value = |p: usize| {
+                let own = ranking.iter().find(|(point, _)| *point == p);
+                own.map_or(f64::NAN, |own| own.1)
+            };
+            let map = Map::on_nodes([&nodes(x), &nodes(y)], points.map(value), 0.0);
             figures.extend(charts! {
-                "Measure over both; blue: refused", [&*x.field, &y.field, "measure"] => map;
+                "Measure over both; blue: refused or violates a requirement", [&x.label(), &y.label(), name] => map;
+            });
+        }
+        figures
+    }
+
+    /// The points that the optimizer tried, in their order and over each axis.
+    fn tried(&self) -> Vec<Figure> {
+        let Setup { plan, measure, .. } = self.setup;
+        let name = self.setup.measured();
+        let ranking = self.setup.ranking(&self.done);
+        let meeting: BTreeMap<usize, f64> = ranking.into_iter().collect();
+        let value = |point: &usize| measure.of(&self.done, *point).unwrap_or(f64::NAN);
+        let points: Vec<usize> = (1..=plan.points()).collect();
+        let (met, violating): (Vec<usize>, Vec<usize>) =
+            points.iter().partition(|point| meeting.contains_key(point));
+        let dots = |x: &dyn Fn(usize) -> f64| {
+            let curve = |label: &str, points: &[usize]| Curve {
+                style: Style::Dots,
+                ..Curve::new(label, points.iter().map(|point| (x(*point), value(point))))
+            };
+            let all = [("tried", &met), ("violates a requirement", &violating)].into_iter();
+            let all = all.filter(|(_, points)| !points.is_empty());
+            all.map(|(label, points)| curve(label, points))
+                .collect::<Vec<_>>()
+        };
+        let mut least = f64::NAN;
+        let best = points.iter().map(|point| {
+            least = least.min(meeting.get(point).copied().unwrap_or(f64::NAN));
+            (*point as f64, least)
+        });
+        let mut curves = dots(&|point| point as f64);
+        curves.push(Curve::new("best so far", best));
+        let mut figures = charts! {
+            "Measure of the points in their order", ["point", name], Height::FromZero(0.0) => curves;
+        };
+        for (k, axis) in plan.axes.iter().enumerate() {
+            figures.extend(charts! {
+                format!("Measure of the points over {}", axis.label()), [&axis.label(), name], Height::FromZero(0.0)
+                    => dots(&|point| plan.at(point)[k]);
             });
         }
         figures
@@ -223,6 +352,11 @@ impl Summary<'_> {
                 curves.push(Curve::new("point itself", line));
             }
             if !curves.is_empty() {
+                let limits = self.setup.requirements.iter().filter(|r| r.result == k);
+                curves.extend(limits.map(|r| {
+                    let ends = [0.0, 100.0].map(|share| (r.limit(), share));
+                    Curve::new(format!("limit {}", r.limit()), ends)
+                }));
                 figures.extend(charts! {
                     format!("Distribution of {}", outcome.head), [&label(outcome), "share of the samples (%)"], Height::FromZero(0.0)
                         => curves;
@@ -254,7 +388,7 @@ fn bands(statistics: &[Statistics]) -> Section {
         for point in &points {
             let name = match point {
                 0 => "as drawn",
-                _ => "best of the grid",
+                _ => "best",
             };
             let is_own = |s: &&Statistics| s.point == *point && s.result == outcome.name;
             let mut own: Vec<&Statistics> = statistics.iter().filter(is_own).collect();

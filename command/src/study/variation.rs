@@ -1,5 +1,7 @@
 //! What a study varies: fields of the pair file and the load, on a grid or drawn within an interval.
 
+use std::collections::HashSet;
+
 use gearmesh::gear::tolerance;
 use gearmesh::pair::Pair;
 use gearmesh::random::Random;
@@ -18,12 +20,15 @@ pub struct Variation {
     pub field: String,
     pub low: f64,
     pub high: f64,
-    /// Values from `low` to `high` on a grid; None: drawn evenly between them.
+    /// Values from `low` to `high` on a grid; None: drawn evenly between them, or optimized.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<usize>,
+    /// Whether the optimizer chooses the values.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub optimized: bool,
 }
 
-/// `FIELD=LOW..HIGH`, `FIELD=+-TOLERANCE` or `FIELD,FIELD=LOW..HIGH/POINTS` of the command line.
+/// `FIELD=LOW..HIGH`, `FIELD=+-TOLERANCE`, `FIELD,FIELD=LOW..HIGH/POINTS` or `FIELD,FIELD=LOW..HIGH/optimize` of the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested {
     variation: Variation,
@@ -35,8 +40,9 @@ impl Requested {
     pub fn parse(text: &str) -> Result<Requested, String> {
         Requested::of(text).ok_or_else(|| {
             format!(
-                "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE or FIELD=LOW..HIGH/POINTS with 2 to 1000 points, such as \
-                 gear1.lead_slope_um=+-8, misalignment_mrad=-0.5..0.5 or gear1.lead_crowning_um=0..10/11"
+                "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE, FIELD=LOW..HIGH/POINTS with 2 to 1000 points or \
+                 FIELD=LOW..HIGH/optimize, such as gear1.lead_slope_um=+-8, misalignment_mrad=-0.5..0.5, \
+                 gear1.lead_crowning_um=0..10/11 or gear1.tip_relief.amount_um=0..40/optimize"
             )
         })
     }
@@ -45,7 +51,7 @@ impl Requested {
         let number = |text: &str| limits::finite(text).ok();
         let (fields, range) = text.split_once('=')?;
         let field = fields.replace(' ', "");
-        let mut points = None;
+        let (mut points, mut optimized) = (None, false);
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
         let [low, high] = if let Some(tolerance) = tolerance {
             let high = number(tolerance)?.abs();
@@ -54,16 +60,23 @@ impl Requested {
             let (low, mut high) = range.split_once("..")?;
             if let Some((end, count)) = high.split_once('/') {
                 high = end;
-                let count = count.trim().parse().ok();
-                points = Some(count.filter(|n| (2..=1000).contains(n))?);
+                optimized = count.trim() == "optimize";
+                if !optimized {
+                    let count = count.trim().parse().ok();
+                    points = Some(count.filter(|n| (2..=1000).contains(n))?);
+                }
             }
             [number(low)?, number(high)?]
         };
-        // Fields that share a value are those of a grid.
+        // Drawn fields share no value.
         let is_named = field.split(',').all(|field| !field.is_empty())
-            && (!field.contains(',') || points.is_some());
-        (is_named && low <= high).then_some(Requested {
-            variation: Variation::new(field, [low, high], points),
+            && (!field.contains(',') || points.is_some() || optimized);
+        let is_range = low < high || (low == high && !optimized);
+        (is_named && is_range).then_some(Requested {
+            variation: Variation {
+                optimized,
+                ..Variation::new(field, [low, high], points)
+            },
             is_tolerance: tolerance.is_some(),
         })
     }
@@ -76,26 +89,55 @@ impl Variation {
             low,
             high,
             points,
+            optimized: false,
         }
+    }
+
+    fn is_drawn(&self) -> bool {
+        self.points.is_none() && !self.optimized
     }
 
     pub fn fields(&self) -> impl Iterator<Item = &str> {
         self.field.split(',')
     }
 
+    /// The field in a listing: what both gears share stands once.
+    pub fn label(&self) -> String {
+        let parts = || self.fields().map(|field| field.split_once('.'));
+        let tails: HashSet<_> = parts().map(|part| part.map(|(_, tail)| tail)).collect();
+        match parts().next() {
+            Some(Some((_, tail))) if tails.len() == 1 && self.field.contains(',') => {
+                let gears: Vec<&str> = parts().flatten().map(|(gear, _)| gear).collect();
+                format!("{tail} of {}", gears.join(", "))
+            }
+            _ => self.field.replace(',', ", "),
+        }
+    }
+
     pub fn value(&self, i: usize) -> f64 {
         let steps = self.points.map_or(1, |points| points - 1) as f64;
         rounded(self.low + (self.high - self.low) * i as f64 / steps)
+    }
+
+    /// The value at this share of the range, with no more decimals than a thousandth of the range has.
+    pub fn at_share(&self, share: f64) -> f64 {
+        let range = self.high - self.low;
+        let step = 10_f64.powf((1e-3 * range).log10().floor());
+        let value = ((self.low + range * share) / step).round() * step;
+        rounded(value.clamp(self.low, self.high))
     }
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
-    pub grid: Vec<Variation>,
-    /// Drawn within intervals; about a point of the grid where the field is on it, too.
+    /// What tells the points apart: all on a grid, or all optimized.
+    pub axes: Vec<Variation>,
+    /// Drawn within intervals; about a point where the field is on an axis, too.
     pub drawn: Vec<Variation>,
     /// Every varied field once, with its value as drawn.
     pub fields: Vec<(String, f64)>,
+    /// Of each point that the optimizer tried its values of the axes.
+    pub tried: Vec<Vec<f64>>,
 }
 
 impl Plan {
@@ -116,6 +158,14 @@ impl Plan {
         for r in requested {
             let about = as_drawn(&r.variation.field) * f64::from(u8::from(r.is_tolerance));
             plan.add(r.variation.clone(), about)?;
+        }
+        if plan.is_optimized()
+            && let Some(axis) = plan.axes.iter().find(|axis| !axis.optimized)
+        {
+            refuse!(
+                "--vary {}: on a grid beside fields to optimize; give all of them POINTS, or /optimize",
+                axis.field
+            );
         }
         for (i, gear) in pair.geometry.gears.iter().enumerate() {
             let Some(class) = class else { break };
@@ -146,9 +196,9 @@ impl Plan {
 
     /// Adds `variation` with its ends counted from `about`.
     fn add(&mut self, mut variation: Variation, about: f64) -> Result<()> {
-        let all = match variation.points {
-            Some(_) => &mut self.grid,
-            None => &mut self.drawn,
+        let all = match variation.is_drawn() {
+            false => &mut self.axes,
+            true => &mut self.drawn,
         };
         let is_known = |field: &&str| all.iter().any(|v| v.fields().any(|known| known == *field));
         if let Some(twice) = variation.fields().find(is_known) {
@@ -161,16 +211,28 @@ impl Plan {
     }
 
     pub fn all(&self) -> impl Iterator<Item = &Variation> {
-        self.grid.iter().chain(&self.drawn)
+        self.axes.iter().chain(&self.drawn)
     }
 
     pub fn is_varied(&self, field: &str) -> bool {
         self.fields.iter().any(|(varied, _)| varied == field)
     }
 
-    /// Number of points of the grid; 0 where there is none.
+    pub fn is_on_axis(&self, field: &str) -> bool {
+        let mut axes = self.axes.iter();
+        axes.any(|axis| axis.fields().any(|own| own == field))
+    }
+
+    pub fn is_optimized(&self) -> bool {
+        self.axes.iter().any(|axis| axis.optimized)
+    }
+
+    /// Number of points, of the grid or tried so far; 0 where there is no axis.
     pub fn points(&self) -> usize {
-        let points = self.grid.iter().filter_map(|axis| axis.points);
+        if self.is_optimized() {
+            return self.tried.len();
+        }
+        let points = self.axes.iter().filter_map(|axis| axis.points);
         points.reduce(usize::saturating_mul).unwrap_or(0)
     }
 
@@ -182,21 +244,46 @@ impl Plan {
             rest /= points;
             i
         };
-        let points = self.grid.iter().filter_map(|axis| axis.points);
+        let points = self.axes.iter().filter_map(|axis| axis.points);
         points.map(index).collect()
     }
 
-    /// Values of the fields at `point` of the grid (0: as drawn) of sample `number` (0: the point itself), the same in every run.
-    pub fn values(&self, point: usize, number: usize, seed: u64) -> Vec<f64> {
-        let mut values: Vec<f64> = self.fields.iter().map(|(_, drawn)| *drawn).collect();
-        let index = |field: &str| self.fields.iter().position(|(known, _)| known == field);
-        if point > 0 {
-            for (axis, i) in self.grid.iter().zip(self.indices(point)) {
-                for k in axis.fields().filter_map(index) {
-                    values[k] = axis.value(i);
-                }
-            }
+    /// The value of each axis at `point`, from 1.
+    pub fn at(&self, point: usize) -> Vec<f64> {
+        if self.is_optimized() {
+            return self.tried[point - 1].clone();
         }
+        let axes = self.axes.iter().zip(self.indices(point));
+        axes.map(|(axis, i)| axis.value(i)).collect()
+    }
+
+    /// The value of each axis where the fields have `values`.
+    pub fn axes_of(&self, values: &[f64]) -> Vec<f64> {
+        let value = |axis: &Variation| {
+            let mut fields = self.fields.iter().zip(values);
+            let own = fields.find(|((field, _), _)| axis.fields().any(|f| f == field));
+            own.map_or(f64::NAN, |(_, value)| *value)
+        };
+        self.axes.iter().map(value).collect()
+    }
+
+    /// Values of the fields where the axes have `values`, the rest as drawn.
+    pub fn placed(&self, values: &[f64]) -> Vec<f64> {
+        let value = |(field, drawn): &(String, f64)| {
+            let mut axes = self.axes.iter().zip(values);
+            axes.find(|(axis, _)| axis.fields().any(|f| f == field))
+                .map_or(*drawn, |(_, value)| *value)
+        };
+        self.fields.iter().map(value).collect()
+    }
+
+    /// Values of the fields at `point` (0: as drawn) of sample `number` (0: the point itself), the same in every run.
+    pub fn values(&self, point: usize, number: usize, seed: u64) -> Vec<f64> {
+        let mut values = match point {
+            0 => self.placed(&[]),
+            point => self.placed(&self.at(point)),
+        };
+        let index = |field: &str| self.fields.iter().position(|(known, _)| known == field);
         if number > 0 {
             for (variation, value) in self.drawn.iter().zip(draw(&self.drawn, seed, number)) {
                 if let Some(k) = index(&variation.field) {
@@ -238,8 +325,19 @@ mod tests {
             let Variation { low, high, .. } = found.variation;
             assert_eq!(([low, high], found.variation.points), (ends, points));
             assert_eq!(found.is_tolerance, is_tolerance);
+            assert!(!found.variation.optimized);
         }
-        let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3";
+        for (field, label) in [
+            ("gear1.a_um", "gear1.a_um"),
+            ("gear1.a.b_um,gear2.a.b_um", "a.b_um of gear1, gear2"),
+            ("gear1.a,gear2.b", "gear1.a, gear2.b"),
+        ] {
+            let found = Requested::of(&format!("{field}=0..1/2")).unwrap();
+            assert_eq!(found.variation.label(), label);
+        }
+        let optimized = Requested::of("a,b=0..9/optimize").unwrap().variation;
+        assert!(optimized.optimized && optimized.points.is_none() && !optimized.is_drawn());
+        let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3|a=0..1/optimise|a=2..2/optimize|a=+-2/optimize";
         for wrong in wrong.split('|') {
             assert!(Requested::of(wrong).is_none(), "{wrong}");
         }
@@ -263,7 +361,7 @@ mod tests {
     fn a_grid_has_every_combination_once_and_tolerances_lie_about_each_of_its_points() {
         let axis = |field: &str, ends, points| Variation::new(field.into(), ends, points);
         let plan = Plan {
-            grid: vec![
+            axes: vec![
                 axis("a,b", [0.0, 2.0], Some(3)),
                 axis("c", [5.0, 6.0], Some(2)),
             ],
@@ -271,6 +369,7 @@ mod tests {
             fields: [("a", 10.0), ("b", 20.0), ("c", 0.0)]
                 .map(|(f, v)| (f.into(), v))
                 .into(),
+            tried: vec![],
         };
         let all: Vec<Vec<f64>> = (1..=plan.points()).map(|p| plan.values(p, 0, 1)).collect();
         let expected = [5.0, 6.0]
@@ -282,5 +381,27 @@ mod tests {
         assert!((drawn[0] - 10.0).abs() <= 1.0 && drawn[0] != 10.0);
         assert!((moved[0] - 2.0 - (drawn[0] - 10.0)).abs() < 1e-9);
         assert_eq!(moved[1..], [2.0, 5.0]);
+    }
+
+    #[test]
+    fn optimized_values_reach_both_ends_in_steps_of_a_thousandth_of_their_range_at_most() {
+        let range = |ends| Variation::new("a".into(), ends, None);
+        for ([low, high], step) in [
+            ([0.0, 60.0], 0.01),
+            ([-3.0, 4.0], 0.001),
+            ([151.0, 153.5], 0.001),
+        ] {
+            let range = range([low, high]);
+            assert_eq!([0.0, 1.0].map(|share| range.at_share(share)), [low, high]);
+            let values = (0..=7000).map(|i| range.at_share(f64::from(i) / 7000.0));
+            let values: Vec<f64> = values.collect();
+            let gaps = values.windows(2).map(|w| w[1] - w[0]);
+            assert!(gaps.fold(0.0, f64::max) < 1.001 * (high - low) / 1000.0);
+            assert!(
+                values
+                    .iter()
+                    .all(|v| ((v / step).round() - v / step).abs() < 1e-6)
+            );
+        }
     }
 }

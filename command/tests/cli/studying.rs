@@ -24,15 +24,15 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
     let last = solved.trim_end().lines().next_back().unwrap();
     let keys = last.splitn(5, ',').take(4).collect::<Vec<_>>().join(",");
     let row = |results: &str| solved.replace(last, &format!("{keys}{results}"));
-    let quoted = row(",,,,,,,\"too much, \"\"far\"\"\"");
+    let quoted = row(",,,,,,,,\"too much, \"\"far\"\"\"");
     folder.write("parts/samples.csv", &quoted);
     contains!(succeed(study("parts", "--samples 10")), "1 refused");
     succeed(study("parts", "--samples 11"));
     assert!(table("parts").starts_with(&quoted));
     // Rows that cannot be the program's own are refused by file and line, and read as nothing else.
-    let zero = |results: &str| row(&format!(",{results},"));
+    let zero = |results: &str| row(&format!(",{results},,"));
     for (damaged, words) in [
-        (row(",,,,,,,"), ["line 12: ", "not a finite number"]),
+        (row(",,,,,,,,"), ["line 12: ", "not a finite number"]),
         (
             zero("1,2,3,4,5,NaN"),
             ["face_load_factor = NaN", "not a finite number"],
@@ -111,6 +111,30 @@ fn the_start_of_a_relief_is_varied_in_any_form_that_the_pair_file_allows() {
 }
 
 #[test]
+fn a_grid_begins_at_zero_of_a_relief_that_the_pair_file_does_not_have() {
+    let folder = Folder::new();
+    let pair = folder.pair(|pair| {
+        for gear in ["gear1", "gear2"] {
+            pair[gear].as_object_mut().unwrap().remove("tip_relief");
+        }
+    });
+    let out = folder.path("study");
+    let vary = "--vary gear1.tip_relief.amount_um=0..10/2 --vary gear1.tip_relief.start.diameter_mm=84..86/2";
+    let shown = succeed!("study {pair} --positions 4 -o {out} {vary} {QUICK}");
+    contains!(shown, "4 points of a grid, 0 refused");
+    // Without an amount the start says nothing.
+    let swings = folder.rows("study/samples.csv");
+    let swings: Vec<f64> = swings
+        .iter()
+        .map(|s| s["peak_to_peak_ste_loa_um"])
+        .collect();
+    assert!(
+        swings[1] == swings[0] && swings[3] == swings[0] && swings[2] != swings[4],
+        "{swings:?}"
+    );
+}
+
+#[test]
 fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with_bands_over_torque()
 {
     let folder = Folder::new();
@@ -120,7 +144,7 @@ fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with
     let study = format!("study {PAPER} -o {out} {options}");
     let more = "--vary gear1.lead_slope_um=+-6 --samples 2 --weights 1,3";
     let shown = succeed!("{study} {more}");
-    contains!(shown, "3 points of a grid, 2 samples");
+    contains!(shown, "3 points of a grid, 2 samples each");
 
     // Every point, as drawn first, with its samples at both torques; both gears share the relief.
     let samples = folder.rows("study/samples.csv");
@@ -152,4 +176,176 @@ fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with
 
     refused!("{study} --best noise"; "give one of peak_to_peak_ste_loa_um");
     refused!("{study} --weights 1,2,3"; "one for each torque");
+}
+
+/// Both tip reliefs of the paper's pair within ranges about the best one.
+const RELIEFS: [&str; 2] = [
+    "gear1.tip_relief.amount_um,gear2.tip_relief.amount_um=0..30",
+    "gear1.tip_relief.start.diameter_mm,gear2.tip_relief.start.diameter_mm=81..88",
+];
+const SWING: &str = "--best peak_to_peak_ste_loa_um --positions 16";
+
+#[test]
+fn the_optimizer_finds_the_relief_of_a_fine_grid_and_stopped_goes_on_the_same_way() {
+    let folder = Folder::new();
+    let [grid, whole, parts] = folder.paths(["grid", "whole", "parts"]);
+    let fine = "--vary gear1.tip_relief.amount_um,gear2.tip_relief.amount_um=7..10/16 \
+                --vary gear1.tip_relief.start.diameter_mm,gear2.tip_relief.start.diameter_mm=84..85.5/16";
+    succeed!("study {PAPER} -o {grid} {fine} {SWING} {QUICK}");
+    let [amount, start] = RELIEFS;
+    let optimize = |out: &str, options: &str| {
+        format!(
+            "study {PAPER} -o {out} --vary {amount}/optimize --vary {start}/optimize {SWING} {QUICK} {options}"
+        )
+    };
+    let output = run(optimize(&whole, ""));
+    assert!(output.status.success());
+    // The forecast comes before the work.
+    contains!(
+        text(&output.stderr),
+        "at most 300 of 301 samples to solve",
+        " s each",
+        "Ctrl-C"
+    );
+    let best =
+        |folder: &Folder, out: &str| json(folder.read(&format!("{out}/study.json")))["best"].take();
+    let [on_grid, found] = ["grid", "whole"].map(|out| best(&folder, out));
+    // The grid's own best point is a step away from the true one.
+    let [least, value] = [&on_grid, &found].map(|best| number(&best["value"]));
+    assert!(
+        value < 1.02 * least && value > 0.8 * least,
+        "{value} {least}"
+    );
+    assert!(number(&found["as_drawn"]) > 2.0 * value);
+    for (field, step) in [("amount_um", 0.2), ("start.diameter_mm", 0.1)] {
+        let field = format!("gear1.tip_relief.{field}");
+        let [a, b] = [&on_grid, &found].map(|best| number(&best["fields"][&field]));
+        assert!((a - b).abs() <= 2.5 * step, "{field}: {a} on the grid, {b}");
+    }
+    let written = json(folder.read("whole/best.json"));
+    assert_eq!(
+        number(&written["gear2"]["tip_relief"]["amount_um"]),
+        number(&found["fields"]["gear2.tip_relief.amount_um"])
+    );
+    assert!(
+        folder
+            .read("whole/study.html")
+            .contains("Measure of the points in their order")
+    );
+
+    contains!(
+        succeed(optimize(&parts, "--points 25")),
+        "25 points tried",
+        "had not settled"
+    );
+    let few = folder.read("parts/samples.csv");
+    assert!(folder.read("whole/samples.csv").starts_with(&few));
+    succeed(optimize(&parts, ""));
+    assert_eq!(
+        folder.read("parts/samples.csv"),
+        folder.read("whole/samples.csv")
+    );
+    refused(optimize(&parts, "--seed 2"), &["another study"]);
+    refused(
+        optimize(&parts, "--require edge_line_load_n_per_mm<=0"),
+        &["another study"],
+    );
+    // A point that the optimizer never tried.
+    folder.write(
+        "parts/samples.csv",
+        folder
+            .read("parts/samples.csv")
+            .replacen("\n1,0,100,", "\n1,0,100,9", 1),
+    );
+    refused(
+        optimize(&parts, ""),
+        &["point 1 is not the one", "--restart"],
+    );
+}
+
+#[test]
+fn requirements_hold_at_the_best_point_and_mark_samples_that_violate_them() {
+    let folder = Folder::new();
+    let [out, page] = folder.paths(["study", "study/study.html"]);
+    let [amount, _] = RELIEFS;
+    let study = |how: &str, options: &str| {
+        format!(
+            "study {PAPER} -o {out} --vary {amount}{how} --torques-nm 60,100 {SWING} {QUICK} {options}"
+        )
+    };
+    let results = |point: f64, name: &str| {
+        let rows = folder.rows("study/samples.csv").into_iter();
+        let own = rows.filter(|row| row["point"] == point);
+        largest(own.map(|row| row[name]))
+    };
+    // Without it the best point presses harder at 100 N m.
+    let best = |line: String| {
+        succeed(line);
+        number(&json(folder.read("study/study.json"))["best"]["point"])
+    };
+    let free = results(best(study("/16", "")), "maximum_pressure_mpa");
+    let limit = 0.99 * free;
+    let require =
+        format!("--require maximum_pressure_mpa<{limit} --require edge_line_load_n_per_mm<=200");
+    // The samples are those of before, with other marks.
+    let held = best(study("/16", &require));
+    assert!(results(held, "maximum_pressure_mpa") < limit);
+    let marked = |row: &csv::StringRecord| {
+        row.iter()
+            .any(|field| field.starts_with("maximum_pressure_mpa<"))
+    };
+    let mut table = csv::Reader::from_path(folder.path("study/samples.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.unwrap()).collect();
+    for (row, numbers) in rows.iter().zip(folder.rows("study/samples.csv")) {
+        let violates = results(numbers["point"], "maximum_pressure_mpa") >= limit;
+        assert_eq!(marked(row), violates, "{row:?}");
+    }
+    let shown = succeed(study("/16", &require));
+    contains!(
+        shown,
+        "violate it",
+        &format!("maximum_pressure_mpa<{limit}")
+    );
+
+    // The optimizer on the same range keeps within the limit and is no worse.
+    let measure = |summary: &str| number(&json(folder.read(summary))["best"]["value"]);
+    let on_grid = measure("study/study.json");
+    let restart = format!("{require} --restart");
+    let found = best(study("/optimize", &restart));
+    assert!(results(found, "maximum_pressure_mpa") < limit);
+    assert!(measure("study/study.json") <= 1.001 * on_grid);
+
+    // Nothing meets this: all is written but the best point, that of before included.
+    let output = run(study("/3", "--require maximum_pressure_mpa<100 --restart"));
+    assert_eq!(output.status.code(), Some(1));
+    contains!(
+        text(&output.stdout),
+        "no point meets all requirements; point "
+    );
+    contains!(
+        text(&output.stderr),
+        "violates maximum_pressure_mpa<100",
+        "relax a requirement"
+    );
+    assert!(!folder.exists("study/best.json") && Path::new(&page).exists());
+
+    refused(
+        study("/3", "--require pressure<3"),
+        &[
+            "--require = pressure",
+            "give one of peak_to_peak_ste_loa_um, ",
+        ],
+    );
+    refused(
+        study("/3", "--require root_stress_1_mpa<300"),
+        &["no result of this study", "--root-stress"],
+    );
+    refused(
+        study("/3", "--require maximum_pressure_mpa"),
+        &["RESULT<=LIMIT", "finite number"],
+    );
+    refused(study("/3", "--points 7"), &["--points = 7", "/optimize"]);
+    let mixed = "--vary gear1.lead_crowning_um=0..5/optimize";
+    refused(study("/3", mixed), &["on a grid beside fields to optimize"]);
+    refused(study("/optimise", ""), &["/optimize", "/POINTS"]);
 }

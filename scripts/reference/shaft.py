@@ -32,6 +32,19 @@ CASES = [
      "bearings": [[-60, 300], [70, 300]], "torque_end": "upper"},
 ]
 
+# inch: the intermediate shaft of Shigley's Mechanical Engineering Design, 9th ed., Examples 7-2 and 7-3, Figure 7-10: shoulders, diameters
+# between them, bearings, and each of its gears alone, an inch wide, without stiffening the shaft. The shoulders
+# stand where Euler beams give all twelve numbers that the example states within 0.04 %.
+SHOULDERS = [0, 1.25, 1.75, 3.5, 7.5, 9.75, 10.25, 11.5]
+DIAMETERS = [1, 1.4, 1.625, 2, 1.625, 1.4, 1]
+for name, middle in (("textbook, left gear", 2.75), ("textbook, right gear", 8.5)):
+    low = middle - 0.5
+    ends = [round(25.4 * (z - low), 3) for z in SHOULDERS]
+    bearings = [[round(25.4 * (z - low), 3), 1000000] for z in (0.75, 10.75)]
+    diameters = [round(25.4 * diameter, 3) for diameter in DIAMETERS]
+    CASES.append({"name": name, "sections": [list(s) for s in zip(ends, ends[1:], diameters)], "face": 25.4, "root": 41.275,
+                  "bearings": bearings, "torque_end": "lower"})
+
 
 def stiffness(basis, n):
     """Of displacements (u_r cos n theta, u_theta sin n theta, u_z cos n theta), over the angle of pi (harmonic 0: 2 pi, torsion alone)."""

@@ -9,7 +9,7 @@ use gearmesh_preprocessor::shaft::{ShaftState, misalignment_range};
 use super::sections::{Loads, POSITIONS};
 use crate::case::{Case, Variant, torque_in_words};
 use crate::columns::table;
-use crate::page::{Curve, Figure, Height, Section, charts};
+use crate::page::{Curve, Figure, Height, Section, Style, charts};
 use crate::solve::{bearing_columns, bearings};
 
 const TORQUE: &str = "torque on gear 1 (N m)";
@@ -65,7 +65,7 @@ pub fn section(
     }
     let note = format!(
         "Shafts as Timoshenko beams on their bearings, in equilibrium with the contact; all of this page is with them. Means over the mesh \
-         cycle, deflections at {torque}. Drive: gear 1 turns in its + sense and drives; coast: the other sense of the torque. The tables of \
+         cycle, deflections at {torque}. Drive, solid: gear 1 turns in its + sense and drives; coast, dashed: the other sense of the torque. The tables of \
          the FMU end at the gears: there the multibody model has shafts and bearings. Forces of the housing on the shaft: x from gear \
          1 to gear 2, y across it, z along the axes."
     );
@@ -112,6 +112,16 @@ fn drawing(pair: &Pair) -> Vec<Figure> {
                 .map(|(x, r)| (z(bearing.z + x), axis + 1e3 * r))
         });
         curves.push(Curve::new(format!("bearings {}", i + 1), marks));
+        let ends = shaft.section_ends();
+        let end = ends[if shaft.torque_at_upper_end {
+            ends.len() - 1
+        } else {
+            0
+        }];
+        curves.push(Curve {
+            style: Style::Dots,
+            ..Curve::new(format!("torque {}", i + 1), [(z(end), axis)])
+        });
     }
     charts! { "Shafts and bearings to scale", ["z (mm)", "mm"], Height::ToScale => curves; }
 }
@@ -128,6 +138,17 @@ fn profile(shaft: &Shaft) -> Vec<(f64, f64)> {
     let lower: Vec<_> = lower.collect();
     upper.extend(lower);
     upper
+}
+
+/// `curve` dashed where it is that of the other sense of the torque, in the colour of its mate.
+fn of_flank(curve: Curve, flank: &str) -> Curve {
+    match flank == FLANKS[0].1 {
+        true => curve,
+        false => Curve {
+            style: Style::Dashed(flank.into()),
+            ..curve
+        },
+    }
 }
 
 /// The axes in the plane of action, and what the shafts close along the face, at the nominal torque.
@@ -152,17 +173,18 @@ fn deflections(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
                 let moved: f64 = along.iter().zip(at.linear).map(|(n, u)| n * u).sum();
                 (1e3 * (z + offset), 1e6 * moved)
             });
-            axes.push(Curve::new(format!("axis {}, {name}", i + 1), points));
+            axes.push(of_flank(
+                Curve::new(format!("axis {}", i + 1), points),
+                name,
+            ));
         }
         let points = |values: &[f64]| -> Vec<(f64, f64)> {
             let values = values.iter().map(|v| 1e6 * v);
             state.z.iter().map(|z| 1e3 * z).zip(values).collect()
         };
-        closings.push(Curve::new(*name, points(&state.closing)));
-        closings.push(Curve::new(
-            format!("torsion, {name}"),
-            points(&state.torsion),
-        ));
+        for (label, values) in [("together", &state.closing), ("torsion", &state.torsion)] {
+            closings.push(of_flank(Curve::new(label, points(values)), name));
+        }
     }
     charts! {
         "Deflection of the axes in the plane of action", ["z (mm)", "along the force on gear 2 (um)"], Height::Curves(0.1) => axes;
@@ -178,7 +200,7 @@ fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
         };
         solved.iter().map(curve).collect()
     };
-    let mut radial = Vec::new();
+    let mut radial = [vec![], vec![]];
     for (i, shaft) in pair.shafts.iter().enumerate() {
         let count = shaft.as_ref().map_or(0, |shaft| shaft.bearings.len());
         for k in 0..count {
@@ -186,9 +208,10 @@ fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
                 let [x, y, _] = state.bearings[i][k].linear;
                 x.hypot(y)
             };
-            for mut curve in curves(&force) {
-                curve.label = format!("gear {} bearing {}, {}", i + 1, k + 1, curve.label);
-                radial.push(curve);
+            for (curve, all) in curves(&force).into_iter().zip(&mut radial) {
+                let label = format!("gear {} bearing {}", i + 1, k + 1);
+                let flank = curve.label.clone();
+                all.push(of_flank(Curve { label, ..curve }, &flank));
             }
         }
     }
@@ -197,6 +220,6 @@ fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
             => curves(&|case, _| case.face_load.face_load_factor());
         "Misalignment by the shafts over torque", [TORQUE, "misalignment (mrad)"], Height::Curves(0.01)
             => curves(&|_, state| 1e3 * state.misalignment);
-        "Radial forces on the bearings", [TORQUE, "radial force (N)"], Height::FromZero(0.0) => radial;
+        "Radial forces on the bearings", [TORQUE, "radial force (N)"], Height::FromZero(0.0) => radial.concat();
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::table::TableFile;
-use gearmesh::words::{fixed, rounded};
+use gearmesh::words::{fixed, rounded, significant};
 use gearmesh_preprocessor::package::{self, Blank, Setting};
 use gearmesh_preprocessor::run_up::{History, RunUp, Sweep};
 use serde_json::{Value, json};
@@ -210,14 +210,14 @@ impl<'a> Summary<'a> {
 
     fn listing(&self) -> Listing {
         let (run, sweep) = (self.run, self.sweep);
-        let [j1, j2] = sweep.inertia.map(rounded);
+        let [j1, j2] = sweep.inertia.map(|inertia| significant(inertia, 4));
         let [low, high] = sweep.speeds.map(|speed| fixed(speed / RPM, 0));
         let mut rows = Listing::default();
         rows! { rows;
             "moments of inertia" => "{j1} and {j2} kg m2";
             "mean torque on gear 1" => "{} N m", rounded(sweep.torque);
-            "damping ratio" => "{}, {:.4e} N s/m along the pitch circle", sweep.damping_ratio, run.damping;
-            "speeds of gear 1" => "{low} to {high} rpm, {} s each way", rounded(run.duration);
+            "damping ratio" => "{}, {} N s/m along the pitch circle", sweep.damping_ratio, significant(run.damping, 4);
+            "speeds of gear 1" => "{low} to {high} rpm, {} s each way", significant(run.duration, 4);
             "natural frequency on the mean stiffness" => "{:.1} Hz", run.natural_frequency;
             "mesh frequency meets it at" => "{:.0} rpm", run.resonance_speed / RPM;
         }

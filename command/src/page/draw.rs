@@ -34,13 +34,14 @@ const SHADES: usize = 64;
 const INK: RGBColor = RGBColor(34, 34, 34);
 
 /// Curves distinguished by colour, also by eyes that see no red or no green.
-const CURVES: [RGBColor; 6] = [
+const CURVES: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(86, 180, 233),
     RGBColor(90, 90, 90),
+    RGBColor(140, 86, 75),
 ];
 
 /// Contact at a tip edge, apart from the scale.

@@ -76,10 +76,10 @@ pub fn section(
 
 type Solved<'a> = (&'a str, Vec<Case>, Vec<Case>);
 
-/// Both shafts in their plane, to scale: sections, gears and bearings.
+/// Both shafts in their plane, to scale: sections, gears, bearings and where the torques enter.
 fn drawing(pair: &Pair) -> Vec<Figure> {
     let g = &pair.geometry;
-    let mut curves = Vec::new();
+    let (mut curves, mut torques) = (Vec::new(), Vec::new());
     for (i, shaft) in pair.shafts.iter().enumerate() {
         let gear = &g.gears[i];
         // Gear 2 above gear 1, or inside of it.
@@ -118,11 +118,12 @@ fn drawing(pair: &Pair) -> Vec<Figure> {
         } else {
             0
         }];
-        curves.push(Curve {
-            style: Style::Dots,
-            ..Curve::new(format!("torque {}", i + 1), [(z(end), axis)])
-        });
+        torques.push((z(end), axis));
     }
+    curves.push(Curve {
+        style: Style::Dots,
+        ..Curve::new("torque enters", torques)
+    });
     charts! { "Shafts and bearings to scale", ["z (mm)", "mm"], Height::ToScale => curves; }
 }
 

@@ -49,6 +49,7 @@ macro_rules! claims {
 
 claims! {
     changed_pair_files_are_refused_by_field_or_give_pairs_that_mesh: pair_file;
+    changed_rexs_files_are_refused_or_become_pair_files: rexs_file;
     changed_tables_are_refused_by_field_or_give_numbers: tables;
     changed_samples_are_refused_by_line_or_become_tables: samples;
     changed_states_are_refused_or_the_unit_goes_on_with_numbers: stored_state;

@@ -18,9 +18,9 @@ use crate::{limits, output};
 /// 10064-2, profile shift where teeth would be undercut, faces centred on each other.
 #[derive(Debug, Args)]
 pub struct New {
-    /// Numbers of teeth of gear 1 and gear 2
-    #[arg(long, num_args = 2, value_names = ["Z1", "Z2"], required_unless_present = "rexs")]
-    teeth: Vec<u32>,
+    /// Numbers of teeth of gear 1 and gear 2; that of a ring may be negative, for a file in the signs of ISO 21771
+    #[arg(long, num_args = 2, allow_negative_numbers = true, value_names = ["Z1", "Z2"], required_unless_present = "rexs")]
+    teeth: Vec<i32>,
 
     /// Normal module, mm
     #[arg(long, required_unless_present = "rexs", value_parser = limits::finite)]
@@ -81,10 +81,25 @@ struct File<'a> {
 }
 
 impl New {
+    fn is_internal(&self) -> bool {
+        self.internal || self.has_signs()
+    }
+
+    /// Whether the file is in the signs of ISO 21771.
+    fn has_signs(&self) -> bool {
+        self.teeth[1] < 0
+    }
+
     pub fn run(self) -> Result<()> {
         if let Some(file) = &self.rexs {
             let taken = rexs::pair_file(file, self.stage, self.torque_nm)?;
             return self.write(&taken.text, &taken.account);
+        }
+        if self.teeth[0] < 0 {
+            let [ring, other] = [self.teeth[0], self.teeth[1]];
+            refuse!(
+                "--teeth = {ring} {other}: a ring is gear 2; give its teeth second: {other} {ring}"
+            );
         }
         // What is filled in follows from the pair without it.
         let bare = self.text(0.0, "")?;
@@ -120,7 +135,7 @@ impl New {
         let stem = self.output.as_deref().and_then(|path| path.file_stem());
         let name = self.name.clone().unwrap_or_else(|| match stem {
             Some(stem) => stem.to_string_lossy().into_owned(),
-            None => format!("pair-{}-{}", self.teeth[0], self.teeth[1]),
+            None => format!("pair-{}-{}", self.teeth[0], self.teeth[1].abs()),
         });
         let torque = self.torque_nm.unwrap_or_default();
         let module = self.module_mm.unwrap_or_default();
@@ -151,16 +166,19 @@ impl New {
     }
 
     /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with z_min = 2 / sin²
-    /// alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the centre distance.
+    /// alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the centre distance; in the signs of
+    /// ISO 21771 it is the opposite.
     fn profile_shifts(&self) -> [f64; 2] {
         let least = 2.0 / self.pressure_angle_deg.to_radians().sin().powi(2);
         let cos = self.helix_angle_deg.to_radians().cos();
-        let shift = |teeth: u32| {
+        let shift = |teeth: i32| {
             let short = 1.0 - f64::from(teeth) / cos.powi(3) / least;
             ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
         };
-        let own = if self.internal { 0 } else { 1 };
-        [0, own].map(|i| shift(self.teeth[i]))
+        let own = if self.is_internal() { 0 } else { 1 };
+        let [one, two] = [0, own].map(|i| shift(self.teeth[i]));
+        // No -0.
+        [one, if self.has_signs() { 0.0 - two } else { two }]
     }
 }
 

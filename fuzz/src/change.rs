@@ -118,6 +118,36 @@ pub fn csv(data: &[u8], random: &mut Random) -> Vec<u8> {
     (lines.join("\n") + "\n").into_bytes()
 }
 
+/// XML with one to three texts or elements changed; bytes of what is no text.
+pub fn xml(data: &[u8], random: &mut Random) -> Vec<u8> {
+    let Ok(text) = str::from_utf8(data) else {
+        return bytes(data, random);
+    };
+    // Each with what follows it up to the next one.
+    let mut tags: Vec<String> = text.split('<').map(str::to_owned).collect();
+    for _ in 0..=below(3, random) {
+        let i = below(tags.len(), random);
+        let changed = match tags[i].split_once('>') {
+            Some((tag, text)) if !text.trim().is_empty() => {
+                let text = match text.trim().parse::<f64>() {
+                    Ok(old) => number(old, random).to_string(),
+                    Err(_) => string(text, random),
+                };
+                format!("{tag}>{text}")
+            }
+            // Few elements go, and few names change: most that is left is then refused.
+            _ if below(4, random) == 0 => {
+                list(&mut tags, random);
+                continue;
+            }
+            _ if below(4, random) == 0 => string(&tags[i], random),
+            _ => continue,
+        };
+        tags[i] = changed;
+    }
+    tags.join("<").into_bytes()
+}
+
 /// One byte changed, taken out or put in, or the rest cut off.
 pub fn bytes(data: &[u8], random: &mut Random) -> Vec<u8> {
     let mut data = data.to_vec();

@@ -1,4 +1,4 @@
-//! What comes from outside and is read: pair files, tables, samples for `import`, the other files of a unit, stored states. Each has inputs to
+//! What comes from outside and is read: pair files, REXS files, tables, samples for `import`, the other files of a unit, stored states. Each has inputs to
 //! start from, a way to change them that keeps their form more often than changed bytes do, and a check: the input is
 //! refused with a message or gives something that works; a panic, or a result that is NaN or infinite, is a finding.
 //!
@@ -9,6 +9,7 @@ pub mod contact_file;
 #[path = "../../tests/common/gears.rs"]
 mod gears;
 pub mod pair_file;
+pub mod rexs_file;
 pub mod samples;
 #[path = "../../tests/common/spring.rs"]
 mod spring;

@@ -41,7 +41,7 @@ pub fn check(data: &[u8]) -> bool {
 }
 
 /// Finite geometry, teeth, contact, and a stiffness to start with.
-fn assert_sound(pair: &Pair) {
+pub fn assert_sound(pair: &Pair) {
     let g = &pair.geometry;
     let total = g.transverse_contact_ratio(g.center_distance) + g.overlap_ratio();
     assert!(total.is_finite() && total >= 1.0, "contact ratio {total}");

@@ -35,18 +35,6 @@ pub struct BothFlanks<T> {
 }
 
 impl<T> BothFlanks<T> {
-    /// What `of` gives for each flank and gear (0 or 1).
-    ///
-    /// # Errors
-    /// The first that it gives.
-    pub fn try_from_fn<E>(of: impl Fn(Flank, usize) -> Result<T, E>) -> Result<Self, E> {
-        let both = |flank| Ok([of(flank, 0)?, of(flank, 1)?]);
-        Ok(BothFlanks {
-            drive: both(Flank::Drive)?,
-            coast: both(Flank::Coast)?,
-        })
-    }
-
     /// Gear 1 and gear 2 on the loaded flanks.
     pub fn flank(&self, flank: Flank) -> &[T; 2] {
         match flank {

@@ -3,12 +3,13 @@
 use super::*;
 
 /// Options for a few pairs.
-const PAIRS: [&str; 6] = [
+const PAIRS: [&str; 7] = [
     "--teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 --helix-angle-deg -29.5",
     NEW,
     "--teeth 23 81 --module-mm 0.08 --face-width-mm 0.8 0.8 --torque-nm 0.0001",
     "--teeth 12 70 --module-mm 0.5 --face-width-mm 6 5 --torque-nm 0.4",
     "--teeth 27 84 --module-mm 2 --face-width-mm 20 24 --torque-nm 80 --internal",
+    "--teeth 27 -84 --module-mm 2 --face-width-mm 20 24 --torque-nm 80",
     "--teeth 17 103 --module-mm 8 --face-width-mm 100 100 --torque-nm 9000 --pressure-angle-deg 25",
 ];
 
@@ -39,6 +40,20 @@ fn a_new_pair_file_overwrites_nothing_and_without_a_name_goes_to_standard_output
     refused!("new -o {path} {}", PAIRS[0]; "is there already");
     assert_eq!(folder.read("mine.json"), "mine");
     assert!(succeed!("new {}", PAIRS[0]).contains("\"teeth\": 23"));
+}
+
+#[test]
+fn negative_teeth_make_a_ring_in_the_signs_of_iso_21771_and_the_same_pair() {
+    let rest = "--module-mm 2 --face-width-mm 20 24 --torque-nm 80";
+    // The smaller pinion has a profile shift, and the ring with it.
+    for pinion in [14, 27] {
+        let folder = Folder::new();
+        let [one, two] = folder.paths(["one.json", "two.json"]);
+        succeed!("new --internal --teeth {pinion} 84 {rest} --name ring -o {one}");
+        succeed!("new --teeth {pinion} -84 {rest} --name ring -o {two}");
+        assert_eq!(succeed!("inspect {one}"), succeed!("inspect {two}"));
+    }
+    refused!("new --teeth -84 27 {rest}"; "--teeth = -84 27", "27 -84");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Refusals, and what can be said of each number of the file on its own, before any geometry is built from it.
 
-use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
+use super::file::{
+    Dimension, EndReliefFile, FlankFile, GearFile, Meshing, OperatingFile, PairFile,
+};
 use gearmesh::words::{number, rounded};
 
 /// One value that cannot be, and what to do about it.
@@ -15,6 +17,82 @@ pub struct Refusal {
     pub problem: String,
     /// What to change.
     pub remedy: String,
+}
+
+/// All refusals of a file that could be found, at least one, each of another field or value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusals(Vec<Refusal>);
+
+/// Most refusals in one message.
+const MOST_SHOWN: usize = 20;
+
+impl Refusals {
+    /// The refusals in the order in which they were found.
+    pub fn all(&self) -> &[Refusal] {
+        &self.0
+    }
+
+    /// Makes each of them another one.
+    pub(super) fn map(self, change: impl Fn(Refusal) -> Refusal) -> Refusals {
+        Refusals(self.0.into_iter().map(change).collect())
+    }
+
+    /// These and those of `more` that are new: of one field and value the first counts.
+    pub(super) fn and(mut self, more: Refusals) -> Refusals {
+        for refusal in more.0 {
+            let is_same =
+                |known: &Refusal| known.field == refusal.field && known.value == refusal.value;
+            if !self.0.iter().any(is_same) {
+                self.0.push(refusal);
+            }
+        }
+        self
+    }
+}
+
+impl From<Refusal> for Refusals {
+    fn from(refusal: Refusal) -> Refusals {
+        Refusals(vec![refusal])
+    }
+}
+
+impl std::error::Error for Refusals {}
+
+impl std::fmt::Display for Refusals {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        for (k, refusal) in self.0.iter().take(MOST_SHOWN).enumerate() {
+            write!(f, "{}{refusal}", if k > 0 { "\n" } else { "" })?;
+        }
+        match self.0.len().saturating_sub(MOST_SHOWN) {
+            0 => Ok(()),
+            more => write!(f, "\nand {more} more"),
+        }
+    }
+}
+
+/// Both results, or the refusals of both.
+pub(super) fn both<A, B>(
+    a: Result<A, impl Into<Refusals>>,
+    b: Result<B, impl Into<Refusals>>,
+) -> Result<(A, B), Refusals> {
+    match (a.map_err(Into::into), b.map_err(Into::into)) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (Err(a), Err(b)) => Err(a.and(b)),
+        (Err(refusals), _) | (_, Err(refusals)) => Err(refusals),
+    }
+}
+
+/// All results, or the refusals of all.
+pub(super) fn every<T>(
+    results: impl IntoIterator<Item = Result<T, impl Into<Refusals>>>,
+) -> Result<Vec<T>, Refusals> {
+    let join = |all, one| {
+        both(all, one).map(|(mut all, one): (Vec<T>, T)| {
+            all.push(one);
+            all
+        })
+    };
+    results.into_iter().fold(Ok(Vec::new()), join)
 }
 
 /// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.
@@ -34,7 +112,7 @@ macro_rules! ensure {
     ($fine:expr, $($refusal:tt)*) => {
         let is_fine: bool = $fine;
         if !is_fine {
-            return Err($crate::pair::checks::refusal!($($refusal)*));
+            return Err($crate::pair::checks::refusal!($($refusal)*).into());
         }
     };
 }
@@ -79,12 +157,12 @@ fn within(value: f64, [low, high]: [f64; 2]) -> bool {
 }
 
 /// Checks fields of a part of the file, whose path is given with a point, or nothing: `field: range;` for each, with what
-/// makes a number of another type after `via`.
+/// makes a number of another type after `via`. Gives the refusals of all of them.
 macro_rules! limits {
     ($path:expr, $part:expr; $($field:ident $(via $number:path)?: $range:expr;)*) => {
-        $($crate::pair::checks::check(
+        $crate::pair::checks::every([$($crate::pair::checks::check(
             &format!("{}{}", $path, stringify!($field)), $part.$field$(.map($number))?, $range,
-        )?;)*
+        )),*])
     };
 }
 pub(super) use limits;
@@ -188,13 +266,29 @@ pub(super) fn in_gear(i: usize, name: &str) -> String {
 pub const TORQUES: [f64; 2] = [1e-9, 1e9];
 
 /// Checks every field of the file by itself.
-pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
-    let printable = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
-    let name = &file.name;
-    ensure!(!name.trim().is_empty() && name.chars().count() <= 100 && name.chars().all(printable),
-        "name" => format!("{name:?}");
-        "cannot serve as a file name";
-        "give 1 to 100 characters without / \\ : * ? \" < > |");
+pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusals> {
+    let module = file.normal_module_mm;
+    let gears = (0..2).flat_map(|i| {
+        let gear = file.gear(i);
+        [check_gear(i, gear, module), check_amounts(i, gear, module)]
+    });
+    let parts = [check_name(&file.name), check_pair(file)];
+    let rest = [
+        check_held_surfaces(file).map_err(Into::into),
+        check_operating(file),
+    ];
+    every(parts.into_iter().chain(gears).chain(rest)).map(drop)
+}
+
+fn check_name(name: &str) -> Result<(), Refusals> {
+    let is_title = !name.trim().is_empty() && name.chars().count() <= 100;
+    ensure!(is_title && !name.chars().any(char::is_control), "name" => format!("{name:?}");
+        "is no title of one line"; "give 1 to 100 characters, no line feed or tabulator among them");
+    Ok(())
+}
+
+/// What both gears have in common.
+fn check_pair(file: &PairFile) -> Result<(), Refusals> {
     let module = file.normal_module_mm;
     limits! { "", file;
         // Smaller ones than any tooth has are metres.
@@ -207,22 +301,24 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
         face_offset_mm: [-1e4, 1e4];
         normal_backlash_um via Dimension::middle: [0.0, 500.0 * module];
     }
-    for i in 0..2 {
-        check_gear(i, file.gear(i), module)?;
-        check_amounts(i, file.gear(i), module)?;
-    }
-    check_held_surfaces(file)?;
-    check_operating(file)
+    .map(drop)
 }
 
-fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
+fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusals> {
     let gear = in_gear(i, "");
-    check(&format!("{gear}teeth"), f64::from(g.teeth), [4.0, 5000.0])?;
-    if let (Some(addendum), Some(mm)) = (g.addendum_coefficient, g.tip_diameter_mm) {
-        return Err(refusal!(format!("{gear}addendum_coefficient") => addendum;
-            "`tip_diameter_mm` = {mm} says the same"; "give only one of them"));
-    }
-    limits! { gear, g;
+    let teeth = check(
+        &format!("{gear}teeth"),
+        f64::from(g.number_of_teeth()),
+        [4.0, 5000.0],
+    );
+    let tip = match (g.addendum_coefficient, g.tip_diameter_mm) {
+        (Some(addendum), Some(mm)) => {
+            Err(refusal!(format!("{gear}addendum_coefficient") => addendum;
+            "`tip_diameter_mm` = {mm} says the same"; "give only one of them"))
+        }
+        _ => Ok(()),
+    };
+    let numbers = limits! { gear, g;
         profile_shift: [-3.0, 3.0];
         profile_shift_iso_21771: [-3.0, 3.0];
         ball_diameter_mm: [ABOVE_0, 5.0 * module];
@@ -239,13 +335,13 @@ fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
         // A rigid mate is a thousand times as stiff as steel.
         youngs_modulus_gpa: [ABOVE_0, 1e6];
         poisson_ratio: [0.0, 0.49];
-        span_teeth via f64::from: [1.0, f64::from(g.teeth)];
+        span_teeth via f64::from: [1.0, f64::from(g.number_of_teeth())];
         normal_tooth_thickness_mm via Dimension::middle: [ABOVE_0, 1e5];
         span_measurement_mm via Dimension::middle: [ABOVE_0, 1e5];
         dimension_over_balls_mm via Dimension::middle: [ABOVE_0, 1e5];
         root_diameter_mm via Dimension::middle: [ABOVE_0, 1e5];
-    }
-    Ok(())
+    };
+    both(every([teeth, tip]), numbers).map(drop)
 }
 
 /// Removal over the length of roll or of the face within which it grows, at most: what is steeper is a chamfer.
@@ -253,21 +349,26 @@ pub(super) const STEEPEST: f64 = 0.1;
 
 /// Amounts of microgeometry: at most a twentieth of the module, beyond which the flank is another one; those that only take
 /// material off not negative.
-fn check_amounts(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
+fn check_amounts(i: usize, g: &GearFile, module: f64) -> Result<(), Refusals> {
     let most = 50.0 * module;
+    let mut checked = Vec::new();
     for (prefix, flank) in g.flanks() {
         let path = in_gear(i, prefix);
         for (field, um, has_sign) in amounts(&flank) {
             let low = if has_sign { -most } else { 0.0 };
-            check(&format!("{path}{field}"), um, [low, most])?;
+            checked.push(check(&format!("{path}{field}"), um, [low, most]));
         }
         for (field, relief) in flank.end_reliefs() {
             let least = (1e-3 * relief.amount_um / STEEPEST).max(ABOVE_0);
             let field = format!("{path}{field}.length_mm");
-            check(&field, relief.length_mm, [least, 0.5 * g.face_width_mm])?;
+            checked.push(check(
+                &field,
+                relief.length_mm,
+                [least, 0.5 * g.face_width_mm],
+            ));
         }
     }
-    Ok(())
+    every(checked).map(drop)
 }
 
 /// Field and amount in um of every modification that is given, and whether it may be of either sign.
@@ -317,19 +418,23 @@ fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
 /// mrad.
 pub(super) const LARGEST_MISALIGNMENT: f64 = 20.0;
 
-fn check_operating(file: &PairFile) -> Result<(), Refusal> {
-    let (o, [least, most]) = (&file.operating, TORQUES);
-    let nominal = o.nominal_torque_nm;
-    ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
-        "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
-    limits! { "operating.", o; maximum_torque_nm: [nominal, most]; }
+fn check_operating(file: &PairFile) -> Result<(), Refusals> {
+    let o = &file.operating;
     let range = |field: &str, [low, high]: [f64; 2], most: f64| {
         check(field, low, [-most, 0.0])?;
         check(field, high, [0.0, most])
     };
     let offset = o.center_distance_offset_um;
-    range("operating.center_distance_offset_um", offset, 1e4)?;
-    o.misalignment_mrad.map_or(Ok(()), |m| {
+    let offset = range("operating.center_distance_offset_um", offset, 1e4);
+    let tilt = o.misalignment_mrad.map_or(Ok(()), |m| {
         range("operating.misalignment_mrad", m, LARGEST_MISALIGNMENT)
-    })
+    });
+    both(check_torques(o), every([offset, tilt])).map(drop)
+}
+
+fn check_torques(o: &OperatingFile) -> Result<(), Refusals> {
+    let ([least, most], nominal) = (TORQUES, o.nominal_torque_nm);
+    ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
+        "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
+    limits! { "operating.", o; maximum_torque_nm: [nominal, most]; }.map(drop)
 }

@@ -159,7 +159,7 @@ impl Gauges {
     pub(super) fn of(given: &GearFile, gear: &Gear) -> Gauges {
         let (usual, ball) = (Gauges::usual(gear), given.ball_diameter_mm);
         Gauges {
-            span_teeth: given.span_teeth.unwrap_or(usual.span_teeth),
+            span_teeth: given.span_teeth.map_or(usual.span_teeth, i32::unsigned_abs),
             ball_diameter: ball.map_or(usual.ball_diameter, |mm| mm * MM),
         }
     }
@@ -183,13 +183,13 @@ pub(super) fn helix(file: &PairFile) -> Result<f64, Refusal> {
         let name = in_gear(i, "lead_mm");
         let is_other_hand = i == 1 && file.ring().is_none();
         let side = if is_other_hand { -1.0 } else { 1.0 };
-        let per_sine = f64::from(g.teeth) * PI * file.normal_module_mm;
+        let per_sine = f64::from(g.number_of_teeth()) * PI * file.normal_module_mm;
         let angle = side * (per_sine / mm).asin().to_degrees();
         ensure!(known != Some(0.0), name => mm;
             "the teeth are spur teeth: `helix_angle_deg` = 0"; "leave one of them out");
         ensure!(angle.abs() <= 60.0, name => mm;
             "is no lead of {} teeth of this module: a helix of 60 degrees has {:.3} mm",
-            g.teeth, per_sine / 60f64.to_radians().sin();
+            g.number_of_teeth(), per_sine / 60f64.to_radians().sin();
             "give the axial length of a whole turn of the helix in millimetres, negative for left-handed teeth");
         let helix = *known.get_or_insert(angle);
         let right = side * per_sine / helix.to_radians().sin();
@@ -225,7 +225,9 @@ fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusa
         Err(refusal!(in_gear(i, name) => alone;
             "`{other}` is not given, and neither says anything alone"; "give both, or none"))
     };
-    let span = g.span_teeth.map(|k| (Measure::Span(k), f64::from(k)));
+    let span = g
+        .span_teeth
+        .map(|k| (Measure::Span(k.unsigned_abs()), f64::from(k)));
     add(
         "span_measurement_mm",
         g.span_measurement_mm,

@@ -55,6 +55,17 @@ impl Dimension {
     }
 }
 
+impl std::ops::Neg for Dimension {
+    type Output = Dimension;
+
+    fn neg(self) -> Dimension {
+        match self {
+            Dimension::Nominal(value) => Dimension::Nominal(-value),
+            Dimension::Limits([low, high]) => Dimension::Limits([-high, -low]),
+        }
+    }
+}
+
 impl std::fmt::Display for Dimension {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match *self {
@@ -97,9 +108,9 @@ impl PairFile {
         [&self.gear1, &self.gear2][i]
     }
 
-    /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim.
+    /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim or negative teeth.
     pub fn ring(&self) -> Option<usize> {
-        let has_rim = |g: &GearFile| g.rim_diameter_mm.is_some();
+        let has_rim = |g: &GearFile| g.rim_diameter_mm.is_some() || g.teeth < 0;
         let ring = usize::from(has_rim(&self.gear2) || !has_rim(&self.gear1));
         (self.meshing == Meshing::Internal).then_some(ring)
     }
@@ -145,8 +156,8 @@ macro_rules! with_modifications {
 with_modifications! {
     /// One gear of the file.
     pub struct GearFile {
-        /// Positive for a ring, too.
-        pub teeth: u32,
+        /// Negative for a ring in the signs of ISO 21771.
+        pub teeth: i32,
         /// > 0 thickens teeth, widens the spaces of a ring. Default: what the quantities of the drawing say, else 0.
         pub profile_shift: Option<f64>,
         /// In its place: > 0 thickens the teeth of a ring, too.
@@ -155,7 +166,7 @@ with_modifications! {
         pub normal_tooth_thickness_mm: Option<Dimension>,
         /// W_k over `span_teeth` teeth (ring: spaces).
         pub span_measurement_mm: Option<Dimension>,
-        pub span_teeth: Option<u32>,
+        pub span_teeth: Option<i32>,
         /// M_dK (ring: between balls).
         pub dimension_over_balls_mm: Option<Dimension>,
         pub ball_diameter_mm: Option<f64>,
@@ -223,6 +234,11 @@ impl FlankFile {
 }
 
 impl GearFile {
+    /// Without the sign of a ring.
+    pub fn number_of_teeth(&self) -> u32 {
+        self.teeth.unsigned_abs()
+    }
+
     /// Whether nothing says where the tips are.
     pub fn has_default_tip(&self) -> bool {
         self.tip_diameter_mm.is_none() && self.addendum_coefficient.is_none()

@@ -4,7 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::checks::{Refusal, STEEPEST, about, check, ensure, in_gear, limits, refusal, remedy};
+use super::checks::{
+    Refusal, Refusals, STEEPEST, about, both, check, ensure, every, in_gear, limits, refusal,
+    remedy,
+};
 use super::file::{
     EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, ToothErrorsFile, ToothFlank,
     UM,
@@ -25,16 +28,24 @@ pub(super) fn of_pair(
     file: &PairFile,
     geometry: &PairGeometry,
     folder: &Path,
-) -> Result<(PairMicrogeometry, PairTeeth), Refusal> {
+) -> Result<(PairMicrogeometry, PairTeeth), Refusals> {
     let gear = |i| Flanks {
         file,
         geometry,
         folder,
         i,
     };
-    let modified = BothFlanks::try_from_fn(|flank, i| gear(i).microgeometry(flank))?;
-    let teeth =
-        BothFlanks::try_from_fn(|flank, i| gear(i).tooth_errors(flank, &modified.flank(flank)[i]))?;
+    let [drive, coast] = [Flank::Drive, Flank::Coast]
+        .map(|flank| both(gear(0).resolved(flank), gear(1).resolved(flank)));
+    let ((drive1, drive2), (coast1, coast2)) = both(drive, coast)?;
+    let modified = BothFlanks {
+        drive: [drive1.0, drive2.0],
+        coast: [coast1.0, coast2.0],
+    };
+    let teeth = BothFlanks {
+        drive: [drive1.1, drive2.1],
+        coast: [coast1.1, coast2.1],
+    };
     Ok((modified, teeth))
 }
 
@@ -48,6 +59,12 @@ struct Flanks<'a> {
 }
 
 impl Flanks<'_> {
+    fn resolved(&self, flank: Flank) -> Result<(Microgeometry, ToothErrors), Refusals> {
+        let modified = self.microgeometry(flank)?;
+        let errors = self.tooth_errors(flank, &modified)?;
+        Ok((modified, errors))
+    }
+
     fn gear(&self) -> &Gear {
         &self.geometry.gears[self.i]
     }
@@ -67,21 +84,22 @@ impl Flanks<'_> {
     }
 
     /// Modifications of `flank`, field by field: what it has of its own, else what the gear has for both.
-    fn microgeometry(&self, flank: Flank) -> Result<Microgeometry, Refusal> {
-        let [(_, both), drive, coast] = self.file.gear(self.i).flanks();
+    fn microgeometry(&self, flank: Flank) -> Result<Microgeometry, Refusals> {
+        let [(_, common), drive, coast] = self.file.gear(self.i).flanks();
         let (name, own) = if flank == Flank::Drive { drive } else { coast };
         // What is given as this field, and its path.
         macro_rules! given {
             ($field:ident) => {{
                 let path = |prefix: &str| in_gear(self.i, prefix) + stringify!($field);
                 let own = own.$field.as_ref().map(|value| (path(name), value));
-                own.or_else(|| Some((path(""), both.$field.as_ref()?)))
+                own.or_else(|| Some((path(""), common.$field.as_ref()?)))
             }};
         }
         let um = |given: Option<(String, &f64)>| given.map_or(0.0, |(_, um)| um * UM);
         let end = |field: fn(&FlankFile) -> &Option<EndReliefFile>| {
-            let [own, both] = [&own, &both].map(|f| field(f).as_ref().or(f.end_relief.as_ref()));
-            let relief = own.or(both).filter(|r| r.amount_um > 0.0)?;
+            let [own, common] =
+                [&own, &common].map(|f| field(f).as_ref().or(f.end_relief.as_ref()));
+            let relief = own.or(common).filter(|r| r.amount_um > 0.0)?;
             Some(EndRelief {
                 amount: relief.amount_um * UM,
                 length: relief.length_mm * MM,
@@ -100,10 +118,15 @@ impl Flanks<'_> {
         };
         let topography = given!(topography_file);
         let topography = topography.map(|(path, csv)| self.topography(csv, &path));
+        let reliefs = both(
+            self.relief(given!(tip_relief), rolls[1]),
+            self.relief(given!(root_relief), rolls[0]),
+        );
+        let (topography, (tip_relief, root_relief)) = both(topography.transpose(), reliefs)?;
         Ok(Microgeometry {
-            topography: topography.transpose()?,
-            tip_relief: self.relief(given!(tip_relief), rolls[1])?,
-            root_relief: self.relief(given!(root_relief), rolls[0])?,
+            topography,
+            tip_relief,
+            root_relief,
             profile_crowning: (crowning.amount != 0.0).then_some(crowning),
             profile_slope: (slope.amount != 0.0 || slope.bias != 0.0).then_some(slope),
             lead_crowning: um(given!(lead_crowning_um)),
@@ -204,7 +227,7 @@ impl Flanks<'_> {
     }
 
     /// Tooth errors of `flank`, on which the other teeth have the modifications `nominal`.
-    fn tooth_errors(&self, flank: Flank, nominal: &Microgeometry) -> Result<ToothErrors, Refusal> {
+    fn tooth_errors(&self, flank: Flank, nominal: &Microgeometry) -> Result<ToothErrors, Refusals> {
         let Some(given) = &self.file.gear(self.i).tooth_errors else {
             return Ok(ToothErrors::default());
         };
@@ -213,7 +236,7 @@ impl Flanks<'_> {
         limits! { path, given;
             runout_um: [0.0, largest(gear)];
             runout_angle_deg: [-360.0, 360.0];
-        }
+        }?;
         let mut errors = ToothErrors {
             index: index(given, gear, flank, &path)?,
             runout: (given.runout_um > 0.0).then(|| Runout {
@@ -236,7 +259,7 @@ impl Flanks<'_> {
             let is_again = given.teeth[..place].iter().any(|t| t.tooth == tooth);
             ensure!(!is_again, format!("{path}tooth") => tooth;
                 "stands in the list twice"; "give a tooth once, with all that is its own");
-            limits! { path, own; compliance_factor: [1.0, LARGEST_FACTOR]; }
+            limits! { path, own; compliance_factor: [1.0, LARGEST_FACTOR]; }?;
             let factor = own.compliance_factor;
             if factor > 1.0 {
                 errors.weak.push(WeakTooth { tooth, factor });
@@ -330,7 +353,7 @@ fn index(
     gear: &Gear,
     flank: Flank,
     path: &str,
-) -> Result<Vec<f64>, Refusal> {
+) -> Result<Vec<f64>, Refusals> {
     let (part, given) = match flank {
         Flank::Drive => ("drive_flank", &given.drive_flank),
         Flank::Coast => ("coast_flank", &given.coast_flank),
@@ -345,11 +368,13 @@ fn index(
             let path = format!("{path}.cumulative_pitch_um");
             ensure!(list.len() == gear.teeth as usize, path => format!("{} numbers", list.len());
                 "the gear has {} teeth", gear.teeth; "give one number for every tooth");
-            for (tooth, um) in list.iter().enumerate() {
-                check(&format!("{path}[{tooth}]"), *um, [-most, most])?;
-            }
-            let all_zero = list.iter().all(|um| *um == 0.0);
-            let errors = list.iter().filter(|_| !all_zero).map(|um| um * UM);
+            every(
+                list.iter()
+                    .enumerate()
+                    .map(|(tooth, um)| check(&format!("{path}[{tooth}]"), *um, [-most, most])),
+            )?;
+            let are_zero = list.iter().all(|um| *um == 0.0);
+            let errors = list.iter().filter(|_| !are_zero).map(|um| um * UM);
             return Ok(errors.collect());
         }
         (None, Some(class)) => {
@@ -370,5 +395,6 @@ fn index(
     };
     let value = if list.is_some() { "two sources" } else { "{}" };
     Err(refusal!(path => value; "{problem}";
-        "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`"))
+        "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`")
+    .into())
 }

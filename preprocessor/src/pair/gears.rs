@@ -1,7 +1,8 @@
 //! A gear of the file on its own: teeth as its fields have them, rim, web and hub, and what a ring rests on.
 
 use super::checks::{
-    ABOVE_0, Refusal, about, check, check_with_usual, ensure, in_gear, limits, meant, refusal,
+    ABOVE_0, Refusal, Refusals, about, check, check_with_usual, ensure, in_gear, limits, meant,
+    refusal,
 };
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
 use gearmesh::gear::{
@@ -22,7 +23,7 @@ pub(super) fn unshifted(file: &PairFile, i: usize, helix: f64) -> Gear {
             true => GearKind::Ring,
             false => GearKind::External,
         },
-        teeth: g.teeth,
+        teeth: g.number_of_teeth(),
         hand: if is_other { -hand1 } else { hand1 },
         normal_module: file.normal_module_mm * MM,
         normal_pressure_angle: file.normal_pressure_angle_deg.to_radians(),
@@ -219,7 +220,7 @@ pub(super) fn default_held(file: &PairFile, geometry: &PairGeometry) -> Option<S
 }
 
 /// Gives `gear` its body and foundation.
-pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Refusal> {
+pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Refusals> {
     let parts = [
         ("rim_thickness_mm", g.rim_thickness_mm),
         ("web_thickness_mm", g.web_thickness_mm),
@@ -235,7 +236,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         if let Some((path, value)) = first {
             return Err(refusal!(path => value;
                 "the gear is a ring, which has neither web nor hub";
-                "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`"));
+                "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`").into());
         }
         // From rubber to steel a hundredth of a millimetre thick.
         check(&in_gear(i, name), g.rim_foundation_n_per_mm3, [1e-3, 1e8])?;
@@ -245,7 +246,8 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
     }
     if let Some(value) = g.rim_foundation_n_per_mm3 {
         return Err(refusal!(in_gear(i, name) => value;
-            "the gear is no ring and is held at its bore"; "leave it out"));
+            "the gear is no ring and is held at its bore"; "leave it out")
+        .into());
     }
     // A shaft on bearings alone leaves the gear held at its bore.
     let on_bearings = |shaft: &&ShaftFile| !shaft.has_pieces() && shaft.on_bearings().is_some();
@@ -255,13 +257,15 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         (None, Some(given), ..) => Some(shaft(g, given, gear, i)?),
         (Some((path, value)), Some(_), ..) => {
             return Err(refusal!(path => value;
-                "`shaft` is given, too, and its teeth are cut from it"; "give one of them"));
+                "`shaft` is given, too, and its teeth are cut from it"; "give one of them")
+            .into());
         }
         (_, None, Some(rim), Some(web)) => Some(body(g, gear, i, [rim, web])?),
         (Some((path, value)), ..) => {
             return Err(refusal!(path => value;
                 "`rim_thickness_mm` and `web_thickness_mm` are not both given";
-                "give both, or none of these fields for a full disc"));
+                "give both, or none of these fields for a full disc")
+            .into());
         }
     };
     Ok(())
@@ -337,7 +341,7 @@ fn shown([low, high]: [f64; 2]) -> String {
 const BORE_OF_SOLID: f64 = 0.1;
 
 /// The shaft that the teeth of `gear` are cut from; sets its bore.
-fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<Body, Refusal> {
+fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<Body, Refusals> {
     let module = gear.normal_module / MM;
     let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|part| part * module);
     let thickest = 2.0 * gear.root_radius() / MM - 2.0 * LEAST_RIM * module;
@@ -348,7 +352,7 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
         limits! { in_gear(i, &format!("shaft.{name}.")), piece;
             diameter_mm: [thinnest, thickest];
             length_mm: [wall, longest];
-        }
+        }?;
     }
     let held = match (shaft.held, shaft.lower, shaft.upper) {
         (Some(held), ..) => [held != HeldEnds::Upper, held != HeldEnds::Lower],
@@ -357,7 +361,8 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
         _ => {
             return Err(refusal!(in_gear(i, "shaft") => "no `held`";
                 "it has two pieces, or none, and no `held`";
-                "give the end that passes the torque on: `lower` (z < 0), `upper` or `both`"));
+                "give the end that passes the torque on: `lower` (z < 0), `upper` or `both`")
+            .into());
         }
     };
     for ((name, piece), held) in pieces.into_iter().zip(held) {

@@ -1,7 +1,7 @@
 //! The pair file: from a drawing in JSON to a checked gear pair in SI.
 //!
 //! [`from_json`] knows every field (docs/pair-file.md), fills in the defaults and refuses what cannot work, naming field,
-//! value and remedy ([`Refusal`]). What is legal but worth knowing comes as [`Pair::warnings`].
+//! value and remedy ([`Refusal`]); all that can be found come at once. What is legal but worth knowing comes as [`Pair::warnings`].
 
 mod checks;
 pub mod drawing;
@@ -11,21 +11,24 @@ mod gears;
 mod mesh;
 mod modifications;
 mod shafts;
+mod signs;
 mod text;
 
 use std::path::{Path, PathBuf};
 
-pub use checks::{Refusal, TORQUES};
+pub use checks::{Refusal, Refusals, TORQUES};
 pub use drawing::Gauges;
 pub use gears::ASSUMED_HELD;
 pub use mesh::LARGEST_DEFLECTION;
 pub use modifications::{modifications, topographies, topography};
 pub use text::PairError;
 
-use checks::{LARGEST_MISALIGNMENT, LEAST_HELIX, ensure, in_gear, limits, refusal, suspicious};
+use checks::{
+    LARGEST_MISALIGNMENT, LEAST_HELIX, both, ensure, every, in_gear, limits, refusal, suspicious,
+};
 use file::{FrictionFile, FrictionLawFile, PairFile, UM};
 use gearmesh::friction::FrictionLaw;
-use gearmesh::gear::{PairGeometry, PairTeeth};
+use gearmesh::gear::{Gear, GearKind, PairGeometry, PairTeeth};
 use gearmesh::pair::{Operating, Pair, Shaft};
 use serde_json::Value;
 
@@ -59,7 +62,8 @@ pub fn read_with_gauges(path: impl AsRef<Path>) -> Result<(Pair, [Gauges; 2]), P
     let path = path.as_ref();
     let file = text::read_fields(path)?;
     let pair = resolve(&file, folder(path))?;
-    let gauges = [0, 1].map(|i| Gauges::of(file.gear(i), &pair.geometry.gears[i]));
+    let sizes = signs::without(&file)?;
+    let gauges = [0, 1].map(|i| Gauges::of(sizes.gear(i), &pair.geometry.gears[i]));
     Ok((pair, gauges))
 }
 
@@ -68,63 +72,124 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// Fills in defaults, checks, converts. Files that the file names are sought in `folder`.
-fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
-    checks::check_fields(file)?;
+fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusals> {
+    let sizes = signs::without(file)?;
+    let as_given = |refusal| signs::as_given(file, refusal);
+    resolve_sizes(&sizes, folder).map_err(|refusals| refusals.map(as_given))
+}
+
+/// The pair of a file without the signs of ISO 21771.
+fn resolve_sizes(file: &PairFile, folder: &Path) -> Result<Pair, Refusals> {
+    let fields = checks::check_fields(file);
+    let (fields, friction) = (fields.err(), friction(file.friction.as_ref()));
     let helix = drawing::helix(file)?;
-    let geometry = PairGeometry {
-        gears: [
-            drawing::gear(file, 0, helix)?,
-            drawing::gear(file, 1, helix)?,
-        ],
-        center_distance: f64::NAN,
+    let alone = match fields {
+        None => both(gear_alone(file, 0, helix), gear_alone(file, 1, helix)),
+        Some(refusals) => Err(refusals),
     };
-    resolve_gears(file, helix, geometry, folder).map_err(|refusal| {
+    // Of gears whose own fields and those of the pair are right, what else is wrong is known, too.
+    let alone = alone.map_err(|refusals| {
+        let is_sound = |i: &usize| (refusals.all().iter()).all(|r| concerns_others(*i, &r.field));
+        let sound = (0..2).filter(is_sound);
+        let profiles = sound.map(|i| check_profile(file, &gear_alone(file, i, helix)?.0, i));
+        let more = every(profiles).err();
+        more.into_iter().fold(refusals, Refusals::and)
+    });
+    let resolved = both(alone, friction)
+        .and_then(|(alone, friction)| resolve_pair(file, helix, alone, friction, folder));
+    resolved.map_err(|refusals| {
         // A helix angle in radians spoils anything.
-        match suspicious("helix_angle_deg", helix, LEAST_HELIX) {
-            Some(meant) => refusal!("helix_angle_deg" => helix;
-                "fits nothing (`{}` = {}: {})", refusal.field, refusal.value, refusal.problem; "check it: {meant}"),
-            None => refusal,
-        }
+        let first = &refusals.all()[0];
+        let on_helix = suspicious("helix_angle_deg", helix, LEAST_HELIX).map(|meant| {
+            refusal!("helix_angle_deg" => helix;
+                "fits nothing (`{}` = {}: {})", first.field, first.value, first.problem; "check it: {meant}")
+        });
+        on_helix.map_or(refusals, Refusals::from)
     })
 }
 
-/// `geometry` is yet without centre distance, backlash and bodies, `helix` the helix angle on gear 1, degrees.
-fn resolve_gears(
+/// Whether a refusal of `field` leaves gear `i` as it is.
+fn concerns_others(i: usize, field: &str) -> bool {
+    let mate = in_gear(1 - i, "");
+    let others = [
+        "name",
+        "operating.",
+        "friction.",
+        "backlash_um",
+        "normal_backlash_um",
+        &mate,
+    ];
+    others.iter().any(|start| field.starts_with(start))
+}
+
+/// A gear before it is in mesh: without a body and as its own fields have it, with a note on a smaller round of its tool.
+type Alone = (Gear, Option<String>);
+
+/// Gear `i` with a helix angle of `helix` degrees on gear 1.
+fn gear_alone(file: &PairFile, i: usize, helix: f64) -> Result<Alone, Refusals> {
+    let mut gear = drawing::gear(file, i, helix)?;
+    let note = gears::shrink_default_round(file.gear(i), &mut gear, i);
+    Ok((gear, note))
+}
+
+/// Checks the profile of `gear`, but for default tips of a ring, which may still be shortened.
+fn check_profile(file: &PairFile, gear: &Gear, i: usize) -> Result<(), Refusals> {
+    if gear.kind == GearKind::External || !file.gear(i).has_default_tip() {
+        gears::profile(file, gear, i)?;
+    }
+    Ok(())
+}
+
+/// The pair of `gears`, the helix angle on gear 1 being `helix`, degrees.
+fn resolve_pair(
     file: &PairFile,
     helix: f64,
-    mut geometry: PairGeometry,
+    gears: (Alone, Alone),
+    friction: FrictionLaw,
     folder: &Path,
-) -> Result<Pair, Refusal> {
-    let mut notes = Vec::new();
-    if let Some(ring) = file.ring() {
-        let (teeth, mate) = (file.gear(ring).teeth, file.gear(1 - ring).teeth);
-        ensure!(teeth > mate, in_gear(ring, "teeth") => teeth;
-            "the ring needs more teeth than the gear in it, {mate}";
-            "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
-    }
-    drawing::set_center_distance(file, &mut geometry)?;
-    notes.extend(drawing::set_backlash(file, &mut geometry)?);
-    for (i, gear) in geometry.gears.iter_mut().enumerate() {
-        notes.extend(gears::shrink_default_round(file.gear(i), gear, i));
-    }
+) -> Result<Pair, Refusals> {
+    let ((gear1, note1), (gear2, note2)) = gears;
+    let mut geometry = PairGeometry {
+        gears: [gear1, gear2],
+        center_distance: f64::NAN,
+    };
+    let meshing = in_mesh(file, &mut geometry);
+    let gears = geometry.gears.iter().enumerate();
+    let profiles = every(gears.map(|(i, gear)| check_profile(file, gear, i)));
+    let loads = both(
+        mesh::check_faces(file, &geometry),
+        mesh::check_torques(file, &geometry),
+    );
+    let (odd_backlash, (_, (mut notes, load_notes))) = both(meshing, both(profiles, loads))?;
+    notes.extend([odd_backlash, note1, note2].into_iter().flatten());
     notes.extend(mesh::shorten_default_ring(file, &mut geometry)?);
-    let [a, b] = &geometry.gears;
-    let profiles = [gears::profile(file, a, 0)?, gears::profile(file, b, 1)?];
-    for (i, gear) in geometry.gears.iter_mut().enumerate() {
-        gears::add_body(file.gear(i), gear, i)?;
-    }
-    notes.extend(mesh::check_faces(file, &geometry)?);
-    notes.extend(mesh::check_torques(file, &geometry)?);
+    let [one, two] = &mut geometry.gears;
+    let ((profile1, profile2), _) = both(
+        both(gears::profile(file, one, 0), gears::profile(file, two, 1)),
+        both(
+            gears::add_body(&file.gear1, one, 0),
+            gears::add_body(&file.gear2, two, 1),
+        ),
+    )?;
+    let profiles = [profile1, profile2];
+    notes.extend(load_notes);
     notes.extend(checks::notes(file, helix));
     notes.extend((0..2).filter_map(|i| gears::small_bore(&geometry, i)));
     notes.extend(gears::default_held(file, &geometry));
     notes.extend(drawing::odd_thickness(file, &geometry));
     notes.extend(mesh::warnings(&geometry, &profiles));
-    notes.extend(mesh::check_center_distances(file, &geometry, &profiles)?);
-    mesh::check_tooth_difference(&geometry)?;
-    let (microgeometry, teeth) = flanks::of_pair(file, &geometry, folder)?;
+    let meshing = mesh::check_center_distances(file, &geometry, &profiles)
+        .and_then(|notes| mesh::check_tooth_difference(&geometry).map(|()| notes));
+    let (in_mesh, (flanks, shafts)) = both(
+        meshing,
+        both(
+            flanks::of_pair(file, &geometry, folder),
+            shafts::of_pair(file, &geometry),
+        ),
+    )?;
+    notes.extend(in_mesh);
+    let (microgeometry, teeth) = flanks;
     notes.extend(note_on_teeth(&teeth).map(str::to_owned));
-    let shafts = shafts::of_pair(file, &geometry)?;
     let misalignment = misalignment(file, &geometry, &shafts)?;
     if shafts.iter().any(Option::is_some) {
         notes.push(NOTE_ON_SHAFTS.into());
@@ -140,12 +205,24 @@ fn resolve_gears(
         },
         refinement: file.compliance.refinement,
         tip_corner_contact: file.tip_corner_contact,
-        friction: friction(file.friction.as_ref())?,
+        friction,
         warnings: notes,
         shafts,
         geometry,
         microgeometry,
     })
+}
+
+/// Sets centre distance and backlash; a note on profile shifts that do not fit.
+fn in_mesh(file: &PairFile, geometry: &mut PairGeometry) -> Result<Option<String>, Refusal> {
+    if let Some(ring) = file.ring() {
+        let [teeth, mate] = [ring, 1 - ring].map(|i| file.gear(i).number_of_teeth());
+        ensure!(teeth > mate, in_gear(ring, "teeth") => teeth;
+            "the ring needs more teeth than the gear in it, {mate}";
+            "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
+    }
+    drawing::set_center_distance(file, geometry)?;
+    drawing::set_backlash(file, geometry)
 }
 
 /// Where shafts on bearings count, and where they must not count twice.
@@ -187,7 +264,7 @@ pub fn note_on_teeth(teeth: &PairTeeth) -> Option<&'static str> {
 const MINERAL_OIL: f64 = 0.846;
 
 /// The law of friction that `file` gives, or the default.
-fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusal> {
+fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusals> {
     let Some(file) = file else {
         return Ok(FrictionLaw::default());
     };
@@ -195,7 +272,7 @@ fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusal> {
         coefficient: [0.0, 1.0];
         dynamic_viscosity_mpa_s: [1.01, 1e5];
         lubricant_factor: [0.1, 2.0];
-    }
+    }?;
     for ra in file.roughness_ra_um.into_iter().flatten() {
         checks::check("friction.roughness_ra_um", ra, [0.01, 20.0])?;
     }
@@ -263,8 +340,8 @@ impl PairDraft {
                 at = (name.parse::<usize>().ok())
                     .and_then(|k| list.get_mut(k))
                     .ok_or_else(|| {
-                        refusal!(group => format!("a list of {count}"); "there is no `{name}` in it";
-                            "give a number of it, from 0 on")
+                        Refusals::from(refusal!(group => format!("a list of {count}");
+                            "there is no `{name}` in it"; "give a number of it, from 0 on"))
                     })?;
                 continue;
             }
@@ -274,8 +351,8 @@ impl PairDraft {
             }
             let Some(fields) = at.as_object_mut() else {
                 let group = names[..i].join(".");
-                return Err(refusal!(group => "no group of fields";
-                    "there is no `{name}` in it"; "docs/pair-file.md has every field")
+                return Err(Refusals::from(refusal!(group => "no group of fields";
+                    "there is no `{name}` in it"; "docs/pair-file.md has every field"))
                 .into());
             };
             at = fields.entry(*name).or_insert(Value::Null);

@@ -1,6 +1,6 @@
 //! Shafts on bearings: `sections`, `bearings` and what belongs to them in `shaft` of a gear.
 
-use super::checks::{ABOVE_0, Refusal, check, ensure, in_gear, limits, refusal};
+use super::checks::{ABOVE_0, Refusals, both, check, ensure, every, in_gear, limits, refusal};
 use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM};
 use gearmesh::gear::{Body, Gear, PairGeometry};
 use gearmesh::pair::{Bearing, Shaft, ShaftSection};
@@ -17,21 +17,21 @@ const LEAST_WALL: f64 = 0.02;
 pub(super) fn of_pair(
     file: &PairFile,
     geometry: &PairGeometry,
-) -> Result<[Option<Shaft>; 2], Refusal> {
+) -> Result<[Option<Shaft>; 2], Refusals> {
     let of = |i: usize| match &file.gear(i).shaft {
         Some(given) => on_bearings(given, &geometry.gears[i], i),
         None => Ok(None),
     };
-    Ok([of(0)?, of(1)?])
+    both(of(0), of(1)).map(|(one, two)| [one, two])
 }
 
-fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>, Refusal> {
+fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>, Refusals> {
     let path = |name: &str| in_gear(i, &format!("shaft.{name}"));
     let Some(sections) = &given.sections else {
         if let Some(name) = given.on_bearings() {
             return Err(
                 refusal!(path("sections") => "none"; "`{name}` says something of a shaft on bearings";
-                "give the sections of the shaft from low to high z, each with `diameter_mm` and `length_mm`, or leave `{name}` out"),
+                "give the sections of the shaft from low to high z, each with `diameter_mm` and `length_mm`, or leave `{name}` out").into(),
             );
         }
         return Ok(None);
@@ -59,18 +59,19 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
         ensure!((1..=MOST_PIECES).contains(&count), path(name) => count;
             "that many are no shaft"; "give 1 to {MOST_PIECES}");
     }
-    limits! { path(""), given;
+    let whole = limits! { path(""), given;
         start_mm: [-1e5, 1e5];
         youngs_modulus_gpa: [ABOVE_0, 2000.0];
         poisson_ratio: [0.0, 0.49];
-    }
-    for (k, section) in sections.iter().enumerate() {
+    };
+    let pieces = every(sections.iter().enumerate().map(|(k, section)| {
         limits! { path(&format!("sections.{k}.")), section;
             diameter_mm: [ABOVE_0, 1e4];
             length_mm: [1e-3, 1e5];
             inner_diameter_mm: [0.0, (1.0 - LEAST_WALL) * section.diameter_mm];
         }
-    }
+    }));
+    both(whole, pieces)?;
     let hub = gear.body.filter(|body| !body.is_shaft());
     let seat = hub.map_or([0.0, gear.face_width], |body| body.hub);
     // A web that reaches down to the shaft stiffens it by itself.
@@ -130,7 +131,7 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
             axial_stiffness_n_per_um: [0.0, 1e6];
             tilt_stiffness_nm_per_mrad: [0.0, 1e6];
             radial_clearance_um: [0.0, 1e4];
-        }
+        }?;
         shaft.bearings.push(Bearing {
             z: bearing.z_mm * MM,
             radial_stiffness: 1e6 * bearing.radial_stiffness_n_per_um,

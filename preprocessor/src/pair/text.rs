@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::checks::Refusal;
+use super::checks::Refusals;
 use super::file::{FrictionFile, GearFile, OperatingFile, PairFile, ToothErrorsFile};
 use gearmesh::words::shown;
 
@@ -34,7 +34,7 @@ pub enum PairError {
     },
     /// Well-formed, but no gear pair that works.
     #[error(transparent)]
-    Refused(#[from] Refusal),
+    Refused(#[from] Refusals),
 }
 
 /// Longest pair file or topography, bytes.
@@ -257,6 +257,7 @@ fn mistyped(given: &str, expected: &str) -> String {
     let expected = match expected {
         "f64" => "a bare number in the unit of the field's name",
         "u32" => "a whole number, 0 to 4294967295",
+        "i32" => "a whole number",
         "u8" => "a whole number, 0 to 255",
         "a sequence" => "a list in brackets",
         "newtype variant" => "a value in braces, such as { \"diameter_mm\": 88.0 },",

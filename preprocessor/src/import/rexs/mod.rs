@@ -39,6 +39,8 @@ struct Source {
     field: &'static str,
     of: Of,
     attributes: &'static [&'static str],
+    /// The same in mm, of which the field is the part of the module.
+    lengths: &'static [&'static str],
     /// Stands for it where it is not given.
     default: Option<&'static str>,
 }
@@ -53,7 +55,21 @@ const fn source(
         field,
         of,
         attributes,
+        lengths: &[],
         default,
+    }
+}
+
+/// The source of a tool's coefficient, which some files have in mm.
+const fn of_tool(
+    field: &'static str,
+    attributes: &'static [&'static str],
+    lengths: &'static [&'static str],
+    default: Option<&'static str>,
+) -> Source {
+    Source {
+        lengths,
+        ..source(field, Of::Tool, attributes, default)
     }
 }
 
@@ -83,19 +99,20 @@ const GEAR: [Source; 10] = [
         None,
     ),
     source("root_diameter_mm", Of::Gear, &["root_diameter"], None),
-    source(
+    of_tool(
         "dedendum_coefficient",
-        Of::Tool,
         &["addendum_coefficient_reference_profile"],
+        &["addendum_reference_profile"],
         Some("1.25"),
     ),
-    source(
+    // Names up to 1.7, and since 2.0.
+    of_tool(
         "tool_tip_radius_coefficient",
-        Of::Tool,
         &[
             "tip_radius_factor",
             "tip_corner_radius_factor_reference_profile",
         ],
+        &["tip_radius", "tip_corner_radius_reference_profile"],
         Some("0.38"),
     ),
     source(
@@ -112,8 +129,8 @@ const GEAR: [Source; 10] = [
     ),
 ];
 
-/// Tools whose profile cuts the teeth.
-const TOOLS: [&str; 2] = ["rack_shaped_tool", "cutter_wheel_tool"];
+/// Tools whose profile cuts the teeth; the last one is there since version 2.0.
+const TOOLS: [&str; 3] = ["rack_shaped_tool", "cutter_wheel_tool", "profile_tool"];
 const SETTINGS: &str = "cylindrical_gear_manufacturing_settings";
 const GENERATED_SHIFT: &str = "generated_addendum_modification_coefficient";
 
@@ -211,13 +228,33 @@ fn import(model: &Model, stage: Option<u64>, torque: Option<f64>, name: &str) ->
         parts.extend(model.related(&gear.id, is_flank));
         parts
     });
-    let draft = Draft {
+    let mut draft = Draft {
         model,
         stage,
         gears,
         teeth,
         account: Account::default(),
     };
+    match [draft.is_ring(0), draft.is_ring(1)] {
+        [true, true] => {
+            return refused(format!(
+                "gear_1 and gear_2 of stage {} are both rings; an internal stage has one",
+                stage.id
+            ));
+        }
+        [true, false] => {
+            draft.gears.reverse();
+            draft.teeth.reverse();
+            draft.account.add(
+                Head::Assumed,
+                format!(
+                    "the ring, gear_1 of stage {}, is gear 2 of the pair, so that torques are those on gear_2 of the stage",
+                    stage.id
+                ),
+            );
+        }
+        _ => {}
+    }
     draft.fill(torque, name)
 }
 
@@ -431,19 +468,16 @@ impl<'a> Draft<'a> {
         Ok(given.value)
     }
 
+    /// Whether gear `i` is a ring: by its kind, or by negative teeth as in ISO 21771.
     fn is_ring(&self, i: usize) -> bool {
+        let teeth = first(&self.teeth[i], &["number_of_teeth"]);
         self.gears[i].kind == "ring_gear"
+            || teeth.is_ok_and(|z| z.is_some_and(|given| given.value < 0.0))
     }
 
     fn fill(mut self, torque: Option<f64>, name: &str) -> Result<Imported> {
         self.check_version();
-        let is_internal = self.is_ring(0) || self.is_ring(1);
-        if self.is_ring(0) {
-            return refused(format!(
-                "gear_1 of stage {} is the ring; only a ring as gear_2 can be taken",
-                self.stage.id
-            ));
-        }
+        let is_internal = self.is_ring(1);
         let mut parts = vec![self.stage];
         parts.extend(self.teeth.iter().flatten());
         let module = self.required("normal_module_mm", &parts, "normal_module")?;
@@ -643,13 +677,20 @@ impl<'a> Draft<'a> {
             field,
             of,
             attributes,
+            lengths,
             default,
         } in &GEAR
         {
             let path = format!("{name}.{field}");
             let given = match of {
                 Of::Gear => agreed(&path, &self.teeth[i], attributes)?,
-                Of::Tool => first(&tools, attributes)?,
+                Of::Tool => match first(&tools, attributes)? {
+                    Some(given) => Some(given),
+                    None => first(&tools, lengths)?.map(|given| Given {
+                        value: rounded(given.value / basic.module),
+                        origin: format!("{} = {} mm over the module", given.origin, given.value),
+                    }),
+                },
                 Of::Material => first(&materials, attributes)?,
             };
             match (given, default) {
@@ -836,7 +877,14 @@ impl<'a> Draft<'a> {
         let nominal = number(fields, "profile_shift_iso_21771").unwrap_or(0.0);
         let generating = self.generated_shift(i)?.map_or(nominal, |limits| limits[0]);
         let allowance = first(&settings, &["machining_allowance"])?.filter(|q| q.value > 0.0);
-        let protuberance = first(&tools, &["protuberance_amount"])?.filter(|pr| pr.value > 0.0);
+        let protuberance = match first(&tools, &["protuberance_amount"])? {
+            Some(given) => Some(given),
+            None => first(&tools, &["protuberance_amount_factor"])?.map(|factor| Given {
+                value: rounded(factor.value * basic.module),
+                ..factor
+            }),
+        };
+        let protuberance = protuberance.filter(|given| given.value > 0.0);
         let angle = first(&tools, &["protuberance_angle"])?;
         // A tool that leaves an allowance stands farther out.
         let stock = allowance.as_ref().map_or(0.0, |q| q.value);
@@ -1089,9 +1137,9 @@ impl<'a> Draft<'a> {
 
     /// The file and its pair without those of the optional fields that do not fit, each with its reason.
     fn consistent(&mut self, file: Value) -> Result<(Value, Pair)> {
-        let refusal = match pair::from_json(&file.to_string()) {
+        let refusals = match pair::from_json(&file.to_string()) {
             Ok(pair) => return Ok((file, pair)),
-            Err(PairError::Refused(refusal)) => refusal,
+            Err(PairError::Refused(refusals)) => refusals,
             Err(other) => return Err(other.into()),
         };
         let mut fitting = file.clone();
@@ -1105,7 +1153,7 @@ impl<'a> Draft<'a> {
         }
         // Without them it may be refused for another reason.
         let Ok(mut pair) = pair::from_json(&fitting.to_string()) else {
-            return Err(PairError::from(refusal).into());
+            return Err(PairError::from(refusals).into());
         };
         for (gear, fields) in groups {
             let mut more = fitting.clone();
@@ -1120,7 +1168,7 @@ impl<'a> Draft<'a> {
                 Err(error) => {
                     let (name, value) = (fields[0], &file[gear][fields[0]]);
                     let why = match error {
-                        PairError::Refused(refusal) => refusal.problem,
+                        PairError::Refused(refusals) => refusals.all()[0].problem.clone(),
                         other => other.to_string(),
                     };
                     let line = format!("{gear}.{name} = {value} is left out: {why}");
@@ -1134,7 +1182,7 @@ impl<'a> Draft<'a> {
     /// Lists attributes of the stage and its gears that the pair file has no use for, those of geometry as warnings.
     fn list_what_is_left(&mut self, mut parts: Vec<&'a Component>) {
         for i in 0..2 {
-            parts.extend(self.beside(i, &[TOOLS[0], TOOLS[1], SETTINGS, "material"]));
+            parts.extend(self.beside(i, &[TOOLS[0], TOOLS[1], TOOLS[2], SETTINGS, "material"]));
         }
         for c in parts {
             let mut left = Vec::new();

@@ -15,6 +15,9 @@ struct File<'a> {
     flanks: [Attributes<'a>; 2],
     tool: Attributes<'a>,
     settings: [Attributes<'a>; 2],
+    tool_kind: &'a str,
+    /// Roles of gears with 27 and 51 teeth in the relation of the stage.
+    roles: [&'a str; 2],
 }
 
 const NONE: Attributes = &[];
@@ -28,6 +31,8 @@ impl Default for File<'_> {
             flanks: [NONE; 2],
             tool: NONE,
             settings: [NONE; 2],
+            tool_kind: "rack_shaped_tool",
+            roles: ["gear_1", "gear_2"],
         }
     }
 }
@@ -58,7 +63,7 @@ impl File<'_> {
             [&[("center_distance", json!(190.0))], self.stage].concat(),
         )];
         let mut relations = vec![json!({"type": "stage", "refs": [
-            {"role": "stage", "id": 1}, {"role": "gear_1", "id": 2}, {"role": "gear_2", "id": 3}]})];
+            {"role": "stage", "id": 1}, {"role": self.roles[0], "id": 2}, {"role": self.roles[1], "id": 3}]})];
         for i in 0..2 {
             let [gear, flank, tool, settings] = [2, 4, 6, 8].map(|id| id + i as u32);
             let given = [
@@ -94,7 +99,7 @@ impl File<'_> {
             ];
             components.push(component(
                 tool,
-                "rack_shaped_tool",
+                self.tool_kind,
                 [&given, self.tool].concat(),
             ));
             components.push(component(settings, SETTINGS, self.settings[i].to_vec()));
@@ -310,6 +315,78 @@ fn names_of_version_2_are_read_and_other_versions_noted() {
     }
 }
 
+/// The schema of REXS 2.0.0 has `profile_tool`, and lengths beside their parts of the module.
+#[test]
+fn tools_of_any_kind_give_their_profile_as_part_of_the_module_or_in_mm() {
+    let tool: Attributes = &[
+        ("addendum_coefficient_reference_profile", Value::Null),
+        ("addendum_reference_profile", json!(1.3 * 4.5)),
+        ("tip_radius_factor", Value::Null),
+    ];
+    for (version, tool_kind, radius) in [
+        ("1.7", "rack_shaped_tool", "tip_radius"),
+        (
+            "2.0.0",
+            "profile_tool",
+            "tip_corner_radius_reference_profile",
+        ),
+    ] {
+        let (pair, account) = File {
+            version,
+            tool_kind,
+            tool: &[tool, &[(radius, json!(0.9))]].concat(),
+            ..File::default()
+        }
+        .import();
+        let gear = &pair.geometry.gears[0];
+        assert_abs_diff_eq!(gear.dedendum_coefficient, 1.3, epsilon = 1e-9);
+        assert_abs_diff_eq!(gear.tool_tip_radius_coefficient, 0.2, epsilon = 1e-9);
+        says(&account, "5.85 mm over the module");
+        assert!(!account.contains("warning"), "{account}");
+    }
+}
+
+#[test]
+fn a_ring_is_the_same_in_either_sign_and_as_gear_1_or_2_of_its_stage() {
+    let ring = |sign: f64, helix: f64| {
+        [
+            ("number_of_teeth", json!(-51)),
+            ("tip_diameter", json!(sign * 238.6)),
+            ("helix_angle_reference_diameter", json!(helix)),
+            ("root_diameter", json!(sign * 257.08)),
+        ]
+    };
+    let pinion: Attributes = &[("tip_diameter", json!(139.1))];
+    let flank: Attributes = &[("addendum_modification_coefficient", json!(0.0))];
+    let read = |sign: f64, helix: f64, roles| {
+        File {
+            stage: &[("center_distance", json!(sign * 57.84))],
+            gears: [pinion, &ring(sign, helix)],
+            flanks: [flank; 2],
+            roles,
+            ..File::default()
+        }
+        .import()
+    };
+    let roles = ["gear_1", "gear_2"];
+    let right = format!("{:?}", read(1.0, 21.0, roles).0);
+    assert!(right.contains("kind: Ring"));
+    assert_eq!(format!("{:?}", read(-1.0, -21.0, roles).0), right);
+    let (swapped, account) = read(-1.0, 21.0, ["gear_2", "gear_1"]);
+    assert_eq!(format!("{swapped:?}"), right);
+    says(
+        &account,
+        "assumed: the ring, gear_1 of stage 1, is gear 2 of the pair",
+    );
+    let both = [("number_of_teeth", json!(-27))];
+    let refused = File {
+        gears: [&both, &ring(1.0, 21.0)],
+        ..File::default()
+    }
+    .refusal();
+    says(&refused, "are both rings");
+}
+
 #[test]
 fn what_changes_the_geometry_and_is_left_out_is_a_warning_with_its_value() {
     let flank: Attributes = &[
@@ -362,18 +439,21 @@ fn gears_that_contradict_each_other_are_refused_with_both_values() {
 
 #[test]
 fn an_archive_with_one_model_is_read_and_one_with_two_refused() {
-    for count in [1, 2] {
-        let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-        let options = zip::write::SimpleFileOptions::default();
-        for i in 0..count {
-            archive
-                .start_file(format!("model{i}.rexsj"), options)
-                .unwrap();
-            archive.write_all(&File::default().bytes()).unwrap();
-        }
-        let made = from_bytes(archive.finish().unwrap().into_inner(), "stage");
-        assert_eq!(made.is_ok(), count == 1);
+    let model = File::default().bytes();
+    let [one, two] = ["1.rexsj", "2.rexsj"].map(|name| (name, &model[..]));
+    assert!(from_bytes(archive(&[one]), "stage").is_ok());
+    assert!(from_bytes(archive(&[one, two]), "stage").is_err());
+}
+
+/// A zip archive of `files`.
+fn archive(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    for (name, bytes) in files {
+        archive.start_file(*name, options).unwrap();
+        archive.write_all(bytes).unwrap();
     }
+    archive.finish().unwrap().into_inner()
 }
 
 #[test]
@@ -383,15 +463,21 @@ fn elements_with_more_xml_attributes_than_any_of_rexs_are_refused_before_they_ar
     says(&refused.to_string(), "XML attributes");
 }
 
-/// Changed bytes and values are refused with words or give a pair; nothing panics.
+/// JSON, XML and an archive, cut off or with bytes changed: refused with words, or a pair; nothing panics.
 #[test]
-fn changed_files_are_refused_or_become_pairs() {
-    let whole = File::default().bytes();
-    for i in (0..whole.len()).step_by(7) {
-        let mut bytes = whole.clone();
-        bytes[i] = [b'9', b'-', b'"', b'{', 0xff][i % 5];
-        if let Err(error) = from_bytes(bytes, "stage") {
-            assert!(!error.to_string().is_empty());
+fn damaged_files_are_refused_or_become_pairs() {
+    let json = File::default().bytes();
+    let xml = include_bytes!("../../../../command/tests/rexs/stage.rexs").to_vec();
+    let zipped = archive(&[("stage.rexsj", &json)]);
+    for whole in [json, xml, zipped] {
+        for i in (0..whole.len()).step_by(1 + whole.len() / 200) {
+            let mut bytes = whole.clone();
+            bytes[i] = [b'9', b'-', b'"', b'<', 0xff][i % 5];
+            for damaged in [bytes, whole[..i].to_vec()] {
+                if let Err(error) = from_bytes(damaged, "stage") {
+                    assert!(!error.to_string().is_empty());
+                }
+            }
         }
     }
 }

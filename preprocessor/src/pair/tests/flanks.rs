@@ -127,7 +127,7 @@ fn assert_has(text: &str, words: &[&str]) {
 fn problem(csv: &str) -> String {
     match with_topography(csv) {
         Err(PairError::Refused(refusal)) => {
-            assert_eq!(refusal.field, "gear1.topography_file");
+            assert_eq!(refusal.all()[0].field, "gear1.topography_file");
             refusal.to_string()
         }
         other => panic!("{csv}: {other:?}"),

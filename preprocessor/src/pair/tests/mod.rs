@@ -4,6 +4,7 @@ mod accepted;
 mod drawings;
 mod flanks;
 mod refused;
+mod signs;
 
 const PAPER: &str = include_str!("../../../../resources/pairs/palermo2013.json");
 const UNMODIFIED: &str = include_str!("../../../../resources/pairs/palermo2013-unmodified.json");
@@ -37,12 +38,17 @@ fn pair(text: &str, patch: &str) -> Pair {
     from_json(&patched(text, patch)).unwrap_or_else(|error| panic!("{patch}: {error}"))
 }
 
-/// Why `text` under `patch` is refused.
-fn refusal(text: &str, patch: &str) -> Refusal {
+/// Why `text` under `patch` is refused: all that is found.
+fn refusals(text: &str, patch: &str) -> Vec<Refusal> {
     match from_json(&patched(text, patch)) {
-        Err(PairError::Refused(refusal)) => refusal,
+        Err(PairError::Refused(refusals)) => refusals.all().to_vec(),
         other => panic!("{patch}: {other:?}"),
     }
+}
+
+/// The first of them.
+fn refusal(text: &str, patch: &str) -> Refusal {
+    refusals(text, patch).swap_remove(0)
 }
 
 /// Whether a note of `pair` has these words.

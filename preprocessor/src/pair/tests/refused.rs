@@ -165,3 +165,54 @@ fn names_are_cut_in_messages() {
     let error = from_json(&PAPER.replace("meshing", &"x".repeat(1_000_000)));
     assert!(error.unwrap_err().to_string().len() < 1000);
 }
+
+/// Faults of fields, of gears and of the pair; those of one line are found together.
+const TOGETHER: &str = r#"paper | {"normal_pressure_angle_deg": 5, "gear1": {"teeth": 2, "poisson_ratio": 0.7, "lead_crowning_um": -1}, "gear2": {"profile_shift": 9, "tip_relief": {"amount_um": -3}}, "operating": {"misalignment_mrad": [1, 2], "maximum_torque_nm": 1}, "friction": {"coefficient": 2}} | normal_pressure_angle_deg gear1.teeth gear1.poisson_ratio gear1.lead_crowning_um gear2.profile_shift gear2.tip_relief.amount_um operating.misalignment_mrad operating.maximum_torque_nm friction.coefficient
+paper | {"gear1": {"teeth": 2}, "gear2": {"tip_diameter_mm": 110}, "friction": {"law": "schlenk"}} | gear1.teeth gear2.tip_diameter_mm friction.dynamic_viscosity_mpa_s
+paper | {"gear1": {"tip_diameter_mm": 110}, "gear2": {"root_diameter_mm": 10}} | gear1.tip_diameter_mm gear2.root_diameter_mm
+paper | {"center_distance_mm": 70, "face_offset_mm": 25, "operating": {"nominal_torque_nm": 1e6, "maximum_torque_nm": 1e6}} | center_distance_mm face_offset_mm
+paper | {"center_distance_mm": 70, "operating": {"nominal_torque_nm": 1e6, "maximum_torque_nm": 1e6}} | center_distance_mm operating.nominal_torque_nm
+paper | {"gear1": {"rim_thickness_mm": 6}, "gear2": {"web_thickness_mm": 6}} | gear1.rim_thickness_mm gear2.web_thickness_mm
+paper | {"gear1": {"bore_diameter_mm": 72}, "gear2": {"bore_diameter_mm": 100}} | gear1.bore_diameter_mm gear2.bore_diameter_mm
+paper | {"gear1": {"tip_relief": {"start": {"diameter_mm": 50}}}, "gear2": {"tip_relief": {"start": {"diameter_mm": 50}}, "topography_file": "none.csv"}} | gear1.tip_relief.start gear2.tip_relief.start gear2.topography_file
+bearings | {"gear1": {"tip_relief": {"start": {"diameter_mm": 50}}, "shaft": {"poisson_ratio": 0.7, "start_mm": 1e6}}} | gear1.tip_relief.start gear1.shaft.poisson_ratio gear1.shaft.start_mm
+paper | {"center_distance_mm": 90, "gear1": {"tip_relief": null, "drive_flank": {"topography_file": "none.csv"}}, "gear2": {"tip_relief": null}} | center_distance_mm gear1.drive_flank.topography_file"#;
+
+#[test]
+fn all_refusals_that_can_be_found_come_at_once_and_each_once() {
+    for [base, patch, fields] in rows(TOGETHER) {
+        let refusals = refusals(&named(base), patch);
+        let mut found: Vec<&str> = refusals.iter().map(|r| &*r.field).collect();
+        let mut expected: Vec<&str> = fields.split(' ').collect();
+        found.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(found, expected, "{patch}: {refusals:#?}");
+    }
+}
+
+#[test]
+fn names_are_titles_with_any_characters_of_one_line() {
+    for name in [
+        "a/b",
+        r"C:\\gears\\1",
+        "Stufe 2, Rad ∅ 90°",
+        "歯車/齿轮",
+        "a: \\\"b\\\" <c> | d?*",
+    ] {
+        pair(PAPER, &setting("name", &format!("\"{name}\"")));
+    }
+}
+
+#[test]
+fn a_long_list_of_refusals_ends() {
+    let wrong = vec!["1e6"; 20].join(",");
+    let list = |gear: &str| {
+        format!(
+            "{{\"{gear}\": {{\"tooth_errors\": {{\"drive_flank\": {{\"cumulative_pitch_um\": [{wrong}]}}}}}}}}"
+        )
+    };
+    let both = patched(&patched(PAPER, &list("gear1")), &list("gear2"));
+    let message = from_json(&both).unwrap_err().to_string();
+    assert_eq!(message.lines().count(), 21, "{message}");
+    assert!(message.ends_with("and 20 more"), "{message}");
+}

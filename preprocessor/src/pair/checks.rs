@@ -232,9 +232,11 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
     let offset = farther(o.center_distance_offset_um);
     let tilt = o.misalignment_mrad.map_or(0.0, farther);
     let backlash = file.backlash_um.unwrap_or(0.0);
+    let normal_backlash = file.normal_backlash_um.map_or(0.0, Dimension::middle);
     let mut notes = vec![
         note("helix_angle_deg", helix, LEAST_HELIX),
         note("backlash_um", backlash, 1.0),
+        note("normal_backlash_um", normal_backlash, 1.0),
         note("operating.center_distance_offset_um", offset, 0.1),
         note("operating.misalignment_mrad", tilt, 0.02),
     ];
@@ -252,6 +254,19 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
             let path = in_gear(i, prefix);
             let note = |(field, um, _)| note(&format!("{path}{field}"), um, 0.1);
             notes.extend(amounts(&flank).map(note));
+        }
+        if let Some(errors) = &file.gear(i).tooth_errors {
+            let field = in_gear(i, "tooth_errors.runout_um");
+            notes.push(note(&field, errors.runout_um, 0.1));
+        }
+        let bearings = file.gear(i).shaft.iter().flat_map(|shaft| &shaft.bearings);
+        for (k, bearing) in bearings.flatten().enumerate() {
+            let field = in_gear(i, &format!("shaft.bearings.{k}.radial_clearance_um"));
+            notes.push(note(
+                &field,
+                bearing.radial_clearance_um.unwrap_or(0.0),
+                0.5,
+            ));
         }
     }
     notes.into_iter().flatten().collect()

@@ -194,6 +194,7 @@ fn resolve_pair(
     if shafts.iter().any(Option::is_some) {
         notes.push(NOTE_ON_SHAFTS.into());
     }
+    notes.extend(shafts::note(file, &geometry, &shafts));
     Ok(Pair {
         name: file.name.clone(),
         teeth,
@@ -318,12 +319,22 @@ impl PairDraft {
         })
     }
 
+    fn value(&self, field: &str) -> Option<&Value> {
+        self.fields
+            .pointer(&format!("/{}", field.replace('.', "/")))
+    }
+
     /// The number at `field`, such as `gear1.tip_relief.amount_um`; the middle of limits; None where there is none.
     pub fn number(&self, field: &str) -> Option<f64> {
-        let path = format!("/{}", field.replace('.', "/"));
-        let value = self.fields.pointer(&path)?;
+        let middle = || self.limits(field).map(|[low, high]| 0.5 * (low + high));
+        self.value(field)?.as_f64().or_else(middle)
+    }
+
+    /// The limits at `field`; None where there are none.
+    pub fn limits(&self, field: &str) -> Option<[f64; 2]> {
+        let value = self.value(field)?;
         let limit = |i: usize| value.get(i)?.as_f64();
-        (value.as_f64()).or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
+        Some([limit(0)?, limit(1)?])
     }
 
     /// Sets `field` to `value`, in the unit of its name; groups of fields on the way to it are made.

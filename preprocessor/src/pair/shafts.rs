@@ -4,9 +4,10 @@ use super::checks::{ABOVE_0, Refusals, both, check, ensure, every, in_gear, limi
 use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM};
 use gearmesh::gear::{Body, Gear, PairGeometry};
 use gearmesh::pair::{Bearing, Shaft, ShaftSection};
-use gearmesh::words::rounded;
+use gearmesh::words::{fixed, rounded};
 
-use crate::shaft::is_held;
+use super::mesh::LARGEST_DEFLECTION;
+use crate::shaft::{approach, is_held};
 
 /// Most sections, and most bearings, of one shaft.
 const MOST_PIECES: usize = 100;
@@ -23,6 +24,39 @@ pub(super) fn of_pair(
         None => Ok(None),
     };
     both(of(0), of(1)).map(|(one, two)| [one, two])
+}
+
+/// A note on shafts that give way by more than teeth can follow, as one that is overhung by mistake.
+pub(super) fn note(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    shafts: &[Option<Shaft>; 2],
+) -> Option<String> {
+    let torque = file.operating.maximum_torque_nm;
+    let largest = approach(geometry, shafts, torque)?;
+    let module = geometry.gears[0].normal_module;
+    if largest <= LARGEST_DEFLECTION * module {
+        return None;
+    }
+    let overhung = (0..2).filter_map(|i| {
+        let (shaft, middle) = (shafts[i].as_ref()?, 0.5 * geometry.gears[i].face_width);
+        let z = || shaft.bearings.iter().map(|b| b.z);
+        let [low, high] = [z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max)];
+        let [low_mm, high_mm, middle_mm] = [low, high, middle].map(|z| rounded(z / MM));
+        (!(low..=high).contains(&middle)).then(|| {
+            format!(
+                "; gear {} is overhung, its middle at z {middle_mm} mm and the outermost bearings at {low_mm} and {high_mm} mm",
+                i + 1
+            )
+        })
+    });
+    Some(format!(
+        "under `operating.maximum_torque_nm` = {torque} shafts and bearings give way by {} um along the line of action, {:.0} % of the \
+         module; check `z_mm`, `start_mm`, diameters and stiffnesses of `shaft`{}",
+        fixed(largest / UM, 0),
+        100.0 * largest / module,
+        overhung.collect::<String>()
+    ))
 }
 
 fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>, Refusals> {

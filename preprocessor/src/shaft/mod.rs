@@ -457,5 +457,15 @@ pub fn misalignment_range(
     Some([-outwards(range[0] - margin), outwards(range[1] + margin)])
 }
 
+/// How far the gears give way at mid-face through shafts and bearings under the torque `torque` (N m on gear 1), on the flank on which it
+/// is more, m. None without shafts.
+pub fn approach(geometry: &PairGeometry, shafts: &[Option<Shaft>; 2], torque: f64) -> Option<f64> {
+    let force = torque / geometry.gears[0].base_radius();
+    let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
+        Shafts::new(geometry, shafts, flank, 0.0).map(|s| s.under_even(force).approach)
+    });
+    Some(drive?.abs().max(coast?.abs()))
+}
+
 #[cfg(test)]
 mod tests;

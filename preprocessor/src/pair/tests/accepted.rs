@@ -271,6 +271,46 @@ fn what_is_legal_but_odd_is_accepted_with_a_note() {
 }
 
 #[test]
+fn every_amount_in_um_that_would_be_usual_in_mm_draws_a_note() {
+    let amounts = |flank: &str| {
+        let fields = "tip_relief.amount_um root_relief.amount_um profile_crowning_um profile_slope_um bias_um lead_crowning_um \
+            lead_slope_um end_relief.amount_um lower_end_relief.amount_um upper_end_relief.amount_um";
+        let fields = fields
+            .split(' ')
+            .map(move |field| format!("gear2.{flank}{field}"));
+        fields.collect::<Vec<_>>()
+    };
+    let mut fields = ["", "drive_flank.", "coast_flank."].map(amounts).concat();
+    fields.extend(
+        [
+            "backlash_um",
+            "normal_backlash_um",
+            "gear2.tooth_errors.runout_um",
+        ]
+        .map(String::from),
+    );
+    let bearings = named("bearings");
+    for field in fields {
+        // Reliefs of an end have a length, too.
+        let value = if field.contains("end_relief") {
+            let start = field.rsplit_once('.').unwrap().0;
+            refused::setting(start, r#"{"amount_um": 0.018, "length_mm": 3}"#)
+        } else {
+            refused::setting(&field, "0.018")
+        };
+        let pair = pair(PAPER, &value);
+        let words = format!("`{field}` = 0.018 is a suspicious value: 0.018 mm is 18 um");
+        assert!(is_noted(&pair, &words), "{words}: {:?}", pair.warnings);
+    }
+    let clearance = "radial_clearance_um";
+    let text = bearings.replace(
+        &format!("\"{clearance}\":12"),
+        &format!("\"{clearance}\":0.012"),
+    );
+    assert!(is_noted(&pair(&text, "{}"), "0.012 mm is 12 um"), "{text}");
+}
+
+#[test]
 fn comments_a_byte_order_mark_and_last_commas_change_nothing() {
     let commented = PAPER
         .replace("{\n", "{ // of the drawing, with a \" in it\n")

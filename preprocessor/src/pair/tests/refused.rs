@@ -10,7 +10,7 @@ pub const LARGE_MATE: &str = r#"{
 }"#;
 
 /// The JSON that sets a field, such as `gear1.teeth`.
-fn setting(field: &str, value: &str) -> String {
+pub fn setting(field: &str, value: &str) -> String {
     let names = field.rsplit('.');
     names.fold(value.to_owned(), |inner, name| {
         format!("{{\"{name}\": {inner}}}")

@@ -22,6 +22,11 @@
 //! In which step F acts is what separates two such models: in the one that starts from the poses it was computed from, or in the
 //! one after it. Both foretell each step before it is used; the logarithm of the ratio of their errors, summed, is the evidence. A third one, of
 //! the acceleration alone, has to be beaten by far: else the motion is given and does not follow the loads.
+//!
+//! Where several meshes share bodies, evidence alone errs: the force just computed tells of a state with more modes than the
+//! models have, so the model without lag foretells better although that force does not act yet. What acts has a mobility: without
+//! lag, the force just read must move the bodies, and more than the one before it does. Loads for the step after the next are
+//! stable under either master, the others under theirs alone; so no lag is believed late and doubted early.
 
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +43,7 @@ const KEPT_FORCES: usize = KEPT + 1;
 const MEMORY: f64 = 0.98;
 /// Weight of no change at all, over the mean square of what was seen: for accelerations, and for forces, whose mobility is known roughly.
 const RIDGE: f64 = 1e-4;
-const RIDGE_OF_FORCES: f64 = 1e-3;
+const RIDGE_OF_FORCES: f64 = 3e-3;
 /// Changes of force over the nominal one that show nothing.
 const NOISE: f64 = 1e-6;
 
@@ -46,16 +51,15 @@ const NOISE: f64 = 1e-6;
 const EXACT: f64 = 1e-6;
 /// Most that one step says: a ratio of errors of e^(3/2).
 const LOUDEST: f64 = 3.0;
-/// Evidence from which on a master is known, from which on one that lets loads act late is none, and from which on it is not looked at again.
+/// Evidence from which on loads act late, from which on they act at once, and from which on it is not looked at again.
 const KNOWN: f64 = 6.0;
 const CHANGED: f64 = 15.0;
 const SETTLED: f64 = 60.0;
 /// Steps after which bodies that follow the loads are taken for those of a master that lets them act late.
 const PATIENCE: usize = 10;
-/// Mobilities over the most that the gears alone have, above which the loads move the bodies, in steps that are alike and that are not,
-/// and below which they do.
-const MOBILITY: [f64; 2] = [0.02, 0.2];
-const MOST_MOBILITY: f64 = 3.0;
+/// Mobilities over the most that the gears alone have, between which the loads move the bodies, and below which they no longer do.
+const MOBILITY: [f64; 2] = [0.2, 3.0];
+const NO_MOBILITY: f64 = 0.1;
 
 /// Steps that differ by less, relatively, are alike.
 const ALIKE: f64 = 1e-6;
@@ -139,18 +143,28 @@ struct Steps {
     force: Series<KEPT_FORCES>,
     /// Lengths, s.
     length: Series<3>,
-    /// Steps of one motion, and how many of the last were alike.
+    /// Steps of one motion, and for how many of the last ones midpoints were equally far apart: where all are alike, or go by turns.
     count: usize,
     even: usize,
 }
 
 impl Steps {
+    /// Whether the midpoint of a step of `length` s is as far from that of the last step as that one is from the one before.
+    fn goes_on(&self, length: f64) -> bool {
+        let alike = |other: f64| (length - other).abs() <= ALIKE * length;
+        match self.count {
+            0 => false,
+            1 => alike(self.length[0]),
+            _ => alike(self.length[1]),
+        }
+    }
+
     /// Changes of w F where `acting(k)` acted in the step k back, and of e, from k = `from` on.
     fn known(&self, w: f64, change: &[f64], acting: &[f64], even: usize) -> [f64; UNKNOWNS] {
         let of_force = |k: usize| w * (acting[k] - acting[k + 1]);
         std::array::from_fn(|i| match i {
             ORDER.. => of_force(i - ORDER),
-            // Of steps that are not alike nothing follows for the next one.
+            // Of midpoints at odd distances nothing follows for the next one.
             _ if even < i + 3 => 0.0,
             _ => change[i + 1] - change[i + 2] + of_force(i + 1),
         })
@@ -229,6 +243,8 @@ impl Model {
 pub(super) struct Master {
     /// Known beforehand, or found.
     pub lag: Option<Lag>,
+    /// Known beforehand.
+    told: bool,
     steps: Steps,
     /// By lag.
     models: [Model; 2],
@@ -247,6 +263,7 @@ impl Master {
     pub fn new(lag: Option<Lag>, force: f64) -> Self {
         Self {
             lag,
+            told: lag.is_some(),
             steps: Steps {
                 force: [force; KEPT_FORCES],
                 ..Steps::default()
@@ -281,8 +298,11 @@ impl Master {
     /// `nominal` is the nominal force, N.
     pub fn observe(&mut self, change: [f64; 2], length: f64, w: f64, nominal: f64) {
         let steps = &mut self.steps;
-        let alike = steps.count > 0 && (length - steps.length[0]).abs() <= ALIKE * length;
-        steps.even = if alike { steps.even + 1 } else { 1 };
+        steps.even = if steps.goes_on(length) {
+            steps.even + 1
+        } else {
+            1
+        };
         steps.count += 1;
         push(&mut steps.length, length);
         for (series, newest) in steps.change.iter_mut().zip(change) {
@@ -311,6 +331,15 @@ impl Master {
             self.models[lag.index()].add(&row, UNKNOWNS, noise)
         });
         if self.settled {
+            let holds = |lag| self.told || self.moves(lag, w);
+            if !self.lag.is_some_and(holds) {
+                *self = Self {
+                    steps: self.steps,
+                    change: self.change,
+                    evidence: [0.0, SETTLED],
+                    ..Self::new(None, 0.0)
+                };
+            }
             return;
         }
         let known = self.steps.known(0.0, a, &[0.0; KEPT], self.steps.even);
@@ -338,23 +367,29 @@ impl Master {
         if of_loads < -KNOWN {
             self.lag = None;
         }
-        let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
-        let least = MOBILITY[usize::from(self.steps.even < 3)];
-        let moves = |lag: Lag| {
-            let share = self.mobility(lag, w)[0] / w;
-            of_loads > KNOWN && share > least && share < MOST_MOBILITY
-        };
+        let moves = |lag: Lag| of_loads > KNOWN && self.moves(lag, w);
+        let late = || Some(Lag::One).filter(|lag| moves(*lag));
         let found = match self.lag {
-            None if of_lag.abs() > KNOWN => Some(likely).filter(|lag| moves(*lag)),
-            // Wrong for a master without lag it damps; the other way round it would not be stable.
-            None if self.rows >= PATIENCE => Some(Lag::One).filter(|lag| moves(*lag)),
-            Some(_) if !(-CHANGED..=KNOWN).contains(&of_lag) => {
-                Some(likely).filter(|lag| moves(*lag)).or(self.lag)
-            }
+            Some(Lag::None) if of_lag > KNOWN || !moves(Lag::None) => late(),
+            None | Some(Lag::One) if of_lag < -CHANGED && moves(Lag::None) => Some(Lag::None),
+            None if of_lag > KNOWN || self.rows >= PATIENCE => late(),
+            Some(Lag::One) if self.mobility(Lag::One, w)[0] < NO_MOBILITY * w => None,
             known => known,
         };
         self.lag = found;
+        let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
         self.settled = found == Some(likely) && of_lag.abs() > SETTLED && of_loads > KNOWN;
+    }
+
+    /// Whether the forces that act with this lag move the bodies as much as forces on gears do, and without lag more than those one step late.
+    fn moves(&self, lag: Lag, w: f64) -> bool {
+        let [by_a, _] = &self.models[lag.index()].coefficients;
+        let late = match lag {
+            Lag::None => -(by_a[0] + by_a[ORDER + 1]),
+            Lag::One => 0.0,
+        };
+        let share = self.mobility(lag, w)[0] / w;
+        (late.max(MOBILITY[0])..MOBILITY[1]).contains(&share)
     }
 
     fn mobility(&self, lag: Lag, w: f64) -> [f64; 2] {
@@ -366,7 +401,7 @@ impl Master {
     /// acts that is returned now. In between: length of the step, and a and d over it.
     pub fn ahead(&self, lag: Lag, length: f64, w: f64) -> Ahead {
         let steps = &self.steps;
-        let even = if steps.count > 0 && (length - steps.length[0]).abs() <= ALIKE * length {
+        let even = if steps.goes_on(length) {
             steps.even + 1
         } else {
             1
@@ -386,7 +421,7 @@ impl Master {
                 // A master that goes by turns goes on with them.
                 let turns = steps.count > 1 && (length - steps.length[1]).abs() <= ALIKE * length;
                 let next = if turns { steps.length[0] } else { length };
-                let even = if next == length { even + 1 } else { 1 };
+                let even = if turns || next == length { even + 1 } else { 1 };
                 let outlook = self.outlook(lag, w, [&a, &d], &steps.force, even);
                 (outlook, Some(given), next)
             }
@@ -420,6 +455,11 @@ impl Master {
     /// Takes the force that is returned, N.
     pub fn give(&mut self, force: f64) {
         push(&mut self.steps.force, force);
+    }
+
+    /// Takes the force, N, that is returned in place of the one just taken.
+    pub fn give_instead(&mut self, force: f64) {
+        self.steps.force[0] = force;
     }
 }
 

@@ -136,7 +136,7 @@ const MEAN: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 const AGREEMENT: f64 = 1e-9;
 
 /// Values of theta from which on a master's rule counts as the explicit Euler rule, exact, or the symplectic Euler rule.
-const RULES: [f64; 2] = [0.25, 0.75];
+const RULES: [f64; 2] = [0.25, 0.6];
 
 /// Way, over the accelerations times H², by which poses that follow from the velocities may depart from their mean.
 const DEPARTURE: f64 = 2.0;
@@ -302,6 +302,16 @@ impl Element {
         history
     }
 
+    /// The `history` of a step whose loads are those of `outputs`, where derivatives of the inputs lead, in place of those where it began.
+    pub fn held_at(&self, history: &History, outputs: &Outputs) -> History {
+        let force = outputs.normal_force / self.constants.per_cos_beta_b;
+        let mut history = *history;
+        history
+            .master
+            .give_instead(f64::from(outputs.flank) * force);
+        history
+    }
+
     /// Constant loads for the step of `acting`, and their part along the turn, N, from the communication point with the loads `now`.
     /// `None`: it leads where there are no loads.
     fn step_loads(
@@ -387,6 +397,11 @@ impl Mesh<f64> {
 }
 
 impl History {
+    /// Whether loads of the last step are those of a pose.
+    pub fn is_held(&self) -> bool {
+        matches!(self.report.mode, Mode::Held | Mode::TooLong)
+    }
+
     /// Whether a prediction can have made it, its numbers being finite as all in JSON are.
     pub fn is_valid(&self) -> bool {
         self.length > 0.0 && self.sign.abs() == 1.0 && self.master.is_valid()

@@ -674,8 +674,13 @@ impl Instance {
             Some(found) if !moved => found.outputs,
             _ => self.law()?,
         };
-        let history = found.as_ref().and_then(|found| found.history);
-        let loads = found.map(|found| StepLoads {
+        let mut history = found.as_ref().and_then(|found| found.history);
+        // Held loads are those where derivatives of the inputs lead, whatever holds them.
+        let held = moved && history.as_ref().is_none_or(History::is_held);
+        if let Some(history) = history.as_mut().filter(|_| held) {
+            *history = self.ready()?.0.held_at(history, &all);
+        }
+        let loads = found.filter(|_| !held).map(|found| StepLoads {
             given: found.loads,
             beyond: found.loads.without(&Loads::at(&all)),
             moved: false,

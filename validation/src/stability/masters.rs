@@ -205,8 +205,9 @@ impl Bodies {
         bodies
     }
 
-    /// A sun, three planets on pins in a heavy carrier, and a ring that stands: six meshes.
-    pub fn planetary(p: &Packed) -> Self {
+    /// A sun, three planets on pins in a heavy carrier, and a ring that stands: six meshes, which start with the flanks in touch
+    /// that will carry, or at the ring with the others, so that the planets first cross the backlash.
+    pub fn planetary(p: &Packed, name: &'static str, crossing: bool) -> Self {
         const PLANETS: usize = 3;
         let (m, load) = (p.gear(), p.load);
         // Sun, spin of the planets, their way with the carrier, carrier.
@@ -214,9 +215,10 @@ impl Bodies {
         let mut masses = vec![m; 1 + PLANETS];
         masses.extend([1.4 * m; PLANETS]);
         masses.push(10.0 * m);
+        let ring = if crossing { -1.0 } else { 1.0 };
         let parts: Vec<Vec<(usize, f64)>> = (0..PLANETS)
             .map(|i| vec![(0, 1.0), (1 + i, -1.0), (1 + PLANETS + i, -1.0)])
-            .chain((0..PLANETS).map(|i| vec![(1 + i, -1.0), (1 + PLANETS + i, 1.0)]))
+            .chain((0..PLANETS).map(|i| vec![(1 + i, ring), (1 + PLANETS + i, -ring)]))
             .collect();
         let meshes: Vec<(usize, &[(usize, f64)])> = parts
             .iter()
@@ -224,7 +226,7 @@ impl Bodies {
             .map(|(j, parts)| (j, &parts[..]))
             .collect();
         let loads = [(0, 3.0 * load), (carrier, -6.0 * load)];
-        let mut bodies = Self::new("planetary", &masses, &meshes).loaded(&loads);
+        let mut bodies = Self::new(name, &masses, &meshes).loaded(&loads);
         for i in 0..PLANETS {
             let ends = [(1 + PLANETS + i, 1.0), (carrier, -1.0)];
             bodies = bodies.spring(&ends, 2e8, 2e-3, 1.4 * m);
@@ -246,6 +248,8 @@ pub struct Way {
     pub theta: f64,
     /// Lengths of the steps by turns, in ticks.
     pub steps: [usize; 2],
+    /// Whether it gives the angles' derivatives, too (fmi2SetRealInputDerivatives).
+    pub derivatives: bool,
 }
 
 /// Rising time of the load and length of a run, s.
@@ -275,6 +279,7 @@ impl Mesh {
         [angle, speed]: [f64; 2],
         [approach, rate]: [f64; 2],
         step: f64,
+        derivatives: bool,
     ) -> Result<f64> {
         let inputs = [
             (index::GEAR1_ANGLES_3, angle + approach / p.base_radius),
@@ -288,6 +293,11 @@ impl Mesh {
         let references = inputs.map(|(i, _)| VARIABLES[i].value_reference);
         self.unit
             .set(Kind::Real, &references, &inputs.map(|(_, x)| x))?;
+        if derivatives {
+            let angles = [references[0], references[2]];
+            let speeds = [inputs[1].1, inputs[3].1];
+            self.unit.set_input_derivatives(&angles, &[1, 1], &speeds)?;
+        }
         self.unit.do_step(self.unit.time(), step)?;
         let mut moment = 0.0;
         let reference = [VARIABLES[index::GEAR1_MOMENT_3].value_reference];
@@ -357,7 +367,13 @@ fn run(
         let mut force = DVector::zeros(count);
         for (j, mesh) in meshes.iter_mut().enumerate() {
             let shifted = angle + j as f64 * PHASE * TAU / p.teeth;
-            force[j] = mesh.step(p, [shifted, speed], [approach[j], rate[j]], *h)?;
+            force[j] = mesh.step(
+                p,
+                [shifted, speed],
+                [approach[j], rate[j]],
+                *h,
+                way.derivatives,
+            )?;
         }
         course.push((ticks, approach.iter().copied().collect()));
         let before = late.replace(force.clone());
@@ -443,6 +459,7 @@ impl<'a> Case<'a> {
             master: Master::Sequential,
             theta: 0.5,
             steps: [1, 1],
+            derivatives: false,
         };
         let exact = run(packed, &bodies, way, tick, cycles, duration)?;
         let exact = exact.ok_or_else(|| format!("{}: no exact course", bodies.name))?;
@@ -483,7 +500,8 @@ pub fn systems(p: &Packed) -> Vec<Bodies> {
         Bodies::stages(p, "two stages, 1e7 N m/rad, 0.1 %", 1e7, 1e-3),
         Bodies::stages(p, "two stages, 2e7 N m/rad, 2 %", 2e7, 2e-2),
         Bodies::bearings(p),
-        Bodies::planetary(p),
+        Bodies::planetary(p, "planetary", false),
+        Bodies::planetary(p, "planetary across its backlash", true),
     ]
 }
 
@@ -512,7 +530,7 @@ pub fn given(p: &Packed, steps: f64, lengths: [usize; 2]) -> Result<f64> {
                 deflection * (rising * swing + rise * 0.2 * omega * phase.cos()),
             ];
             let h = tick * lengths[turn % 2] as f64;
-            forces.push(mesh.step(p, [speed * t, speed], motion, h)?);
+            forces.push(mesh.step(p, [speed * t, speed], motion, h, false)?);
             ticks += lengths[turn % 2];
             turn += 1;
         }
@@ -549,6 +567,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
                                 master,
                                 theta,
                                 steps: lengths,
+                                derivatives: false,
                             })
                         };
                         let [held, known, found] =
@@ -581,6 +600,29 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let head = "system | steps a mesh cycle | steps | master | theta | held, % | known, % | automatic, % | held, steady, % \
         | known, steady, % | automatic, steady, %";
     data.table("masters", head, &rows)?;
+    let mut rows = vec![];
+    let case = Case::new(&p, Bodies::pair(&p), 160.0)?;
+    for master in [Master::Sequential, Master::Parallel] {
+        for theta in [0.0, 0.5, 1.0] {
+            let find = |derivatives: bool| -> Result<String> {
+                let found = case.errors(Way {
+                    told: Told::Automatic,
+                    master,
+                    theta,
+                    steps: ALIKE,
+                    derivatives,
+                })?;
+                Ok(found.map_or("unstable".into(), |e| format!("{:.3}", e.whole)))
+            };
+            let [without, with] = [find(false)?, find(true)?];
+            rows.push(format!("{master:?} | {theta} | {without} | {with}"));
+        }
+    }
+    data.table(
+        "input-derivatives",
+        "master | theta | automatic, % | with input derivatives, %",
+        &rows,
+    )?;
     let mut rows = vec![];
     for &count in steps {
         let [alike, turns] = [given(&p, count, ALIKE)?, given(&p, count, BY_TURNS)?];

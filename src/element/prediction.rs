@@ -136,7 +136,7 @@ const MEAN: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 const AGREEMENT: f64 = 1e-9;
 
 /// Values of theta from which on a master's rule counts as the explicit Euler rule, exact, or the symplectic Euler rule.
-const RULES: [f64; 2] = [0.25, 0.6];
+const RULES: [f64; 2] = [0.25, 0.75];
 
 /// Way, over the accelerations times H², by which poses that follow from the velocities may depart from their mean.
 const DEPARTURE: f64 = 2.0;

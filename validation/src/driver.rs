@@ -350,15 +350,6 @@ impl Way {
         }
     }
 
-    /// Loads of an element that is not told the master.
-    pub fn automatic(master: Master, effective_mass: f64) -> Self {
-        Self {
-            master,
-            coupling: Coupling::Automatic,
-            effective_mass,
-        }
-    }
-
     /// Predicted loads.
     pub fn predicted(master: Master, effective_mass: f64) -> Self {
         let coupling = match master {

@@ -84,15 +84,16 @@ def compare(gears: Gears, axis) -> None:
         errors, order = orders(gears, begin, reference, coupling, sizes)
         axis.loglog(1e6 * sizes, np.where(errors < 3.0, errors, np.nan), "o-", label=f"{coupling}, order {order:.2f}")
         print(f"{coupling}: order {order:.2f}, {by_size(sizes, errors)}")
-    for (name, host), coupling in product(ssp.HOSTS.items(), ("held", "parallel")):
+    for (name, host), coupling in product(ssp.HOSTS.items(), ("held", "parallel", "automatic")):
         sizes = SIZES[5:] if coupling == "held" else SIZES[2:]
         file = ssp.build(gears, begin, coupling)
         errors = []
         for size in sizes:
             errors.append(distance(host(file, DURATION, size), reference, ssp.COLUMNS))
         print(f"{name}, SSP of three FMUs, {coupling}: order {np.log2(errors[-2] / errors[-1]):.2f}, {by_size(sizes, errors)}")
-        marker = {"Ecos": "k+", "libcosim": "kx"}[name] if coupling == "parallel" else "r+"
-        axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP, coupling = {coupling}")
+        marker = {"Ecos": "+", "libcosim": "x"}[name]
+        color = {"held": "r", "parallel": "k", "automatic": "b"}[coupling]
+        axis.loglog(1e6 * sizes, errors, color + marker, ms=10, label=f"{name}, SSP, coupling = {coupling}")
     packed = packed_step()
     axis.axvline(1e6 * packed, color="grey", lw=0.8)
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")

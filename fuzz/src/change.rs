@@ -126,6 +126,9 @@ pub fn xml(data: &[u8], random: &mut Random) -> Vec<u8> {
     // Each with what follows it up to the next one.
     let mut tags: Vec<String> = text.split('<').map(str::to_owned).collect();
     for _ in 0..=below(3, random) {
+        if tags.is_empty() {
+            break;
+        }
         let i = below(tags.len(), random);
         let changed = match tags[i].split_once('>') {
             Some((tag, text)) if !text.trim().is_empty() => {

@@ -98,6 +98,8 @@ pub struct SegmentLoad {
     pub seen: [Segment; 2],
     /// Normal force, N.
     pub force: f64,
+    /// Derivatives of the force by the approach, N/m, and by the misalignment, N/rad.
+    pub slopes: [f64; 2],
     /// Largest pressure where contact stays inside the flanks, Pa: Hertz, at the start of a relief the half-ellipse of the same line
     /// load and spread.
     pub pressure: f64,
@@ -119,6 +121,8 @@ impl SegmentLoad {
 pub struct ContactResult {
     /// STE: approach on the line of action at mid-face from unmodified involutes that just touch, m.
     pub approach: f64,
+    /// Misalignment, rad.
+    pub misalignment: f64,
     /// Transverse force on the line of action F_bt, N.
     pub loa_force: f64,
     /// Shuttling moment F_bt (z_c - z_ref), N m: of the forces about the normal of the plane of action through the pitch point at
@@ -277,13 +281,36 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let forces = warm.map(|warm| warm.segments.iter().map(|s| s.force).collect::<Vec<_>>());
-        let start = warm.zip(forces.as_deref()).map(|(warm, forces)| Start {
+        let predicted = warm.map(|warm| self.predicted(prescribed, misalignment, warm));
+        let start = predicted.as_ref().map(|(forces, approach)| Start {
             forces,
-            approach: warm.approach,
+            approach: *approach,
         });
         let solution = self.solution(prescribed, misalignment, start)?;
         Ok(self.result(solution, misalignment))
+    }
+
+    /// Forces on the segments, N, and approach, m, to which the derivatives at `warm` lead.
+    fn predicted(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: &ContactResult,
+    ) -> (Vec<f64>, f64) {
+        let tilt = misalignment - warm.misalignment;
+        let tangent = warm.tangent;
+        let rise = match prescribed {
+            Prescribed::Approach(approach) => approach - warm.approach,
+            Prescribed::Torque(torque) => {
+                let more = torque / self.numbers.base_radius[0] - warm.loa_force;
+                let rise = (more - tangent.force_by_misalignment * tilt) / tangent.force_by_approach;
+                // Where next to nothing touches there is no slope to go by.
+                if rise.is_finite() { rise } else { 0.0 }
+            }
+        };
+        let force = |s: &SegmentLoad| (s.force + s.slopes[0] * rise + s.slopes[1] * tilt).max(0.0);
+        let forces = warm.segments.iter().map(force).collect();
+        (forces, warm.approach + rise)
     }
 
     fn unsolved(
@@ -338,7 +365,11 @@ impl PositionProblem {
             true => value / loa_force,
             false => 0.0,
         };
-        let (moment, tangent) = self.moment(&solution);
+        let (moment, tangent, [by_approach, by_misalignment]) = self.moment(&solution);
+        let mut slopes = vec![[0.0; 2]; gap.len()];
+        for (place, &i) in solution.active.iter().enumerate() {
+            slopes[i] = [by_approach[place], by_misalignment[place]];
+        }
         let mut edge_loads = self.edge_loads(&solution, &gap);
         let mut pressures = self.pressures(&solution.loads, &edge_loads);
         for (i, law) in self.local.iter().enumerate() {
@@ -362,6 +393,7 @@ impl PositionProblem {
                 roll: candidate.roll,
                 seen: self.seen[i],
                 force,
+                slopes: slopes[i],
                 pressure: pressures[i],
                 edge: edge_loads[i],
                 gap: (least - solution.closing[i]).max(0.0),
@@ -369,6 +401,7 @@ impl PositionProblem {
         }
         ContactResult {
             approach: solution.approach,
+            misalignment,
             loa_force,
             moment,
             contact_z: self.numbers.z_ref + over_force(moment),
@@ -383,12 +416,13 @@ impl PositionProblem {
         }
     }
 
-    /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution.
+    /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution: of force and moment, and
+    /// of the force on each segment in contact by approach and misalignment.
     ///
     /// With K the matrix over the segments in contact, c their arms, b = cos beta_b, and s_n the sums of phi' times the
     /// n-th power of the lever over the points of a segment: dF = K^-1 (c d delta + b s_1 / s_0 dM), and the
     /// moment changes by b (s_1 / s_0 dF + b (s_2 - s_1^2 / s_0) dM).
-    pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent) {
+    pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent, [DVector<f64>; 2]) {
         let (mut moment, mut within) = (0.0, 0.0);
         let normal = self.numbers.cos_beta_b;
         let mut levers = DVector::zeros(solution.active.len());
@@ -411,7 +445,7 @@ impl PositionProblem {
             force_by_misalignment: by_misalignment.dot(&arms),
             moment_by_misalignment: by_misalignment.dot(&levers) + within,
         };
-        (moment, tangent)
+        (moment, tangent, [by_approach, by_misalignment])
     }
 
     /// How `forces` (N) on the segments slide, whose resultant on the line of action is `loa_force` (N), as `sums` adds up.

@@ -199,7 +199,7 @@ impl RuntimeContact {
             });
         }
         let (energy, [by_tau, by_offset]) = self.at_fixed_forces(&problem, &pose, &solution)?;
-        let (moment, tangent) = problem.moment(&solution);
+        let (moment, tangent, _) = problem.moment(&solution);
         let force = problem.arm.dot(&solution.force);
         let sliding = (self.friction.as_ref()).map_or(Sliding::default(), |sums| {
             problem.sliding(sums, solution.force.iter().copied(), force)

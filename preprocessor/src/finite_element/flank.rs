@@ -102,13 +102,14 @@ impl FlankGrid {
             local(z, &self.stations, layer)
         };
         for (element, low, high) in cells(&self.arcs, kernel.support()) {
-            for (x, weight) in GAUSS5 {
+            let points = GAUSS5.map(|(x, weight)| {
                 let arc = low + x * (high - low);
                 let load = part * weight * (high - low) * kernel.density(arc);
-                let xi = local(arc, &self.arcs, element);
-                for (node, c) in face_nodes(self.arcs.len() - 1, element, layer, plane) {
-                    *sum.entry(node).or_insert(0.0) += load * shape(2, c, &[xi, zeta, 0.0]).0;
-                }
+                (load, [local(arc, &self.arcs, element), zeta, 0.0])
+            });
+            for (node, c) in face_nodes(self.arcs.len() - 1, element, layer, plane) {
+                let shares = points.iter().map(|(load, at)| load * shape(2, c, at).0);
+                *sum.entry(node).or_insert(0.0) += shares.sum::<f64>();
             }
         }
     }

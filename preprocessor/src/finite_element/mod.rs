@@ -37,6 +37,7 @@ use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::gear::{Flank, Gear, PairGeometry};
 use model::Model;
 use nalgebra::DMatrix;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Progress of both gears: the number of the gear (0 or 1) in front of what [`Progress`] is called with.
@@ -116,23 +117,28 @@ impl ToothCompliance for FiniteElementCompliance {
         let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
         let mut matrix = DMatrix::zeros(segments.len(), segments.len());
         let mut displacement = vec![0.0; self.grid.len()];
-        for (j, load) in weights.iter().enumerate() {
-            for tooth in segments[j].tooth..=last {
-                let offset = (tooth - segments[j].tooth) as usize;
-                let on_tooth = |i: &usize| segments[*i].tooth == tooth && (offset > 0 || j <= *i);
-                let observed: Vec<usize> = (0..segments.len()).filter(on_tooth).collect();
-                if observed.is_empty() {
+        for tooth in first..=last {
+            let on_tooth = |i: &usize| segments[*i].tooth == tooth;
+            let observed: Vec<usize> = (0..segments.len()).filter(on_tooth).collect();
+            let nodes = observed.iter().flat_map(|i| &weights[*i]);
+            let rows = runs(nodes.map(|(node, _)| *node).collect());
+            for (j, load) in weights.iter().enumerate() {
+                let Ok(offset) = usize::try_from(tooth - segments[j].tooth) else {
                     continue;
-                }
-                displacement.fill(0.0);
-                for (node, weight) in load {
-                    let weight = weight * self.influence.unit;
-                    let column = self.influence.column(offset, *node);
-                    for (u, c) in displacement.iter_mut().zip(column) {
-                        *u += weight * f64::from(*c);
+                };
+                for rows in &rows {
+                    let displacement = &mut displacement[rows.clone()];
+                    displacement.fill(0.0);
+                    for (node, weight) in load {
+                        let weight = weight * self.influence.unit;
+                        let column = &self.influence.column(offset, *node)[rows.clone()];
+                        for (u, c) in displacement.iter_mut().zip(column) {
+                            *u += weight * f64::from(*c);
+                        }
                     }
                 }
-                for i in observed {
+                // On its own tooth the matrix is symmetric.
+                for i in observed.iter().copied().filter(|i| offset > 0 || j <= *i) {
                     let response = weights[i].iter();
                     let value: f64 = response.map(|(node, w)| w * displacement[*node]).sum();
                     let value = value * self.slice_factor(&segments[i], &segments[j]);
@@ -161,6 +167,14 @@ impl ToothCompliance for FiniteElementCompliance {
         let layers = self.grid.stations.windows(2).map(|ends| ends[1] - ends[0]);
         layers.fold(0.0, f64::max)
     }
+}
+
+/// The `nodes` as ranges of neighbours, ascending: a contact line crosses a part of the flank.
+fn runs(mut nodes: Vec<usize>) -> Vec<Range<usize>> {
+    nodes.sort_unstable();
+    nodes.dedup();
+    let neighbours = nodes.chunk_by(|a, b| a + 1 == *b);
+    neighbours.map(|run| run[0]..run[run.len() - 1] + 1).collect()
 }
 
 /// The unit is the largest entry over this. The largest one, a node in a corner of the flank under a load of its

@@ -96,6 +96,7 @@ impl StaticSource for WatchedSolver<'_> {
         Ok(Box::new(SolverPosition {
             problem: self.solver.position(flank, p, c)?,
             warm: None,
+            top: None,
             quality: Some(&self.quality),
         }))
     }
@@ -106,15 +107,17 @@ impl StaticSource for ContactSolver {
         Ok(Box::new(SolverPosition {
             problem: self.position(flank, p, c)?,
             warm: None,
+            top: None,
             quality: None,
         }))
     }
 }
 
-/// A position of the contact solver with the last solution, from which the next one starts.
+/// A position of the contact solver with the last solution, from which the next one starts, and the last one under a torque.
 struct SolverPosition<'a> {
     problem: PositionProblem,
     warm: Option<ContactResult>,
+    top: Option<ContactResult>,
     quality: Option<&'a Mutex<SolveQuality>>,
 }
 
@@ -124,11 +127,16 @@ impl StaticPosition for SolverPosition<'_> {
     }
 
     fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
-        let (problem, warm) = (&self.problem, self.warm.as_ref());
+        let problem = &self.problem;
         let result = match prescribed {
-            Prescribed::Torque(torque) => problem.solve_torque(torque, misalignment, warm),
-            Prescribed::Approach(approach) => problem.solve_approach(approach, misalignment, warm),
-        }?;
+            Prescribed::Torque(torque) => {
+                let top = problem.solve_torque(torque, misalignment, self.top.as_ref())?;
+                self.top.insert(top).clone()
+            }
+            Prescribed::Approach(approach) => {
+                problem.solve_approach(approach, misalignment, self.warm.as_ref())?
+            }
+        };
         if let Some(quality) = self.quality {
             let mut sum = quality.lock().unwrap_or_else(PoisonError::into_inner);
             sum.solves += 1;

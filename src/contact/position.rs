@@ -303,7 +303,8 @@ impl PositionProblem {
             Prescribed::Approach(approach) => approach - warm.approach,
             Prescribed::Torque(torque) => {
                 let more = torque / self.numbers.base_radius[0] - warm.loa_force;
-                let rise = (more - tangent.force_by_misalignment * tilt) / tangent.force_by_approach;
+                let rise =
+                    (more - tangent.force_by_misalignment * tilt) / tangent.force_by_approach;
                 // Where next to nothing touches there is no slope to go by.
                 if rise.is_finite() { rise } else { 0.0 }
             }

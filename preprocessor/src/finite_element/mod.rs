@@ -174,7 +174,9 @@ fn runs(mut nodes: Vec<usize>) -> Vec<Range<usize>> {
     nodes.sort_unstable();
     nodes.dedup();
     let neighbours = nodes.chunk_by(|a, b| a + 1 == *b);
-    neighbours.map(|run| run[0]..run[run.len() - 1] + 1).collect()
+    neighbours
+        .map(|run| run[0]..run[run.len() - 1] + 1)
+        .collect()
 }
 
 /// The unit is the largest entry over this. The largest one, a node in a corner of the flank under a load of its

@@ -232,6 +232,8 @@ pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
         "edge_z_mm", ["tip edge at z", "mm", 2] => c.cycle.edge_load().map(|edge| 1e3 * edge.z);
         "transverse_contact_ratio", ["transverse contact ratio", "", 4] => g.transverse_contact_ratio(center_distance(&c.input));
         "overlap_ratio", ["overlap ratio", "", 4] => g.overlap_ratio();
+        "bent_teeth_mean_ste_percent", ["mean STE by the bend of the teeth", "%", 2] => 100.0 * c.cycle.share_of_bent_teeth()[0];
+        "bent_teeth_peak_to_peak_ste_percent", ["p-p STE by the bend of the teeth", "%", 2] => 100.0 * c.cycle.share_of_bent_teeth()[1];
         "loss_factor", ["loss factor by the load share", "", 4] => c.loss_factor(solver);
         "loss_factor_ohlendorf", ["loss factor of Ohlendorf", "", 4] => ohlendorf(g, center_distance(&c.input));
     }

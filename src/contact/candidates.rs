@@ -41,6 +41,12 @@ impl Candidate {
         points(self.z)
     }
 
+    /// Arm of the force about the axes of both gears over their base radii, in the mean: by virtual work what the flanks close per approach
+    /// on the line of action, half of which either gear turns.
+    pub fn arm(&self) -> f64 {
+        0.5 * (self.arms[0] + self.arms[1])
+    }
+
     /// Length along the contact line, m, at the cosine of the base helix angle `cos_beta_b`.
     pub fn length(&self, cos_beta_b: f64) -> f64 {
         (self.z[1] - self.z[0]) / cos_beta_b
@@ -248,6 +254,21 @@ impl ContactLines<'_> {
         }
         let tooth = [k, -k][i];
         Segment { tooth, z, roll }
+    }
+
+    /// How far contact may move along the profile from `segment` towards the tip of gear 2 (<= 0) and of gear 1 (>= 0), m: to the tip edges
+    /// and to the starts of the involutes.
+    pub fn room(&self, segment: &Candidate) -> [f64; 2] {
+        let (numbers, profile) = (&self.section.numbers, &segment.profile);
+        let to_form = |i: usize| {
+            let (roll, form) = (segment.roll[i], self.section.form_rolls[i]);
+            let above = numbers.kappa[i] * (roll - form) * (roll + form);
+            (above / (2.0 * numbers.base_radius[i])).max(0.0)
+        };
+        [
+            profile.edges[0].max(-to_form(0)),
+            profile.edges[1].min(to_form(1)),
+        ]
     }
 
     /// `segments` as gear 1 and gear 2 see them.

@@ -8,6 +8,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::bent::{Movable, Placed, Response, System};
 use super::error::Failure;
 use super::local_law::{LocalContact, POINTS, PointLoads};
 use crate::root::bisection;
@@ -19,14 +20,16 @@ pub struct Problem<'a> {
     pub local: &'a [LocalContact],
     /// Gaps along the normal at the points of each segment, m, misalignment included.
     pub gap: &'a [[f64; POINTS]],
-    /// Arm of the normal force on each segment about the axis of gear 1, over its base radius; by virtual work also what the
-    /// flanks close along their normal per approach.
+    /// Arm of the normal force on each segment about the axes, over the base radii; by virtual work also what the flanks close along
+    /// their normal per approach.
     pub arm: &'a DVector<f64>,
     pub target: Target,
     /// Stiffness of the elastic foundation that gives the forces to start from, N/m per m of contact line.
     pub foundation: f64,
     /// Length of a point, m, from which on its pressure is judged.
     pub shortest: f64,
+    /// How contact moves along the profile; `None`: it stays.
+    pub movable: Option<Movable<'a>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,15 +63,32 @@ pub struct Solution {
     pub kkt_residual: f64,
     pub active: Vec<usize>,
     /// Factor of D + A over the segments in contact.
-    pub factor: Factor,
+    factor: Factor,
+    /// Where contact has moved to; `None`: it stays.
+    pub placed: Option<Placed>,
+    response: Option<Response>,
     /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
     pub excess: Option<Failure>,
+}
+
+impl Solution {
+    /// Forces on the segments in contact by which their closings grow by `closing`, N from m.
+    pub fn stiffened(&self, closing: &DVector<f64>) -> DVector<f64> {
+        match &self.response {
+            Some(response) => response.solve(&self.factor, closing),
+            None => self.factor.solve(closing),
+        }
+    }
 }
 
 type Factor = Cholesky<f64, Dyn>;
 
 /// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
 pub const MAXIMUM_ITERATIONS: usize = 200;
+/// Relative residual below which Newton steps are taken as a whole where contact moves.
+const NEAR: f64 = 1e-2;
+/// Newton steps after which contact moves half the way only.
+const SWINGING: usize = 50;
 /// Relative residual at which the iteration ends.
 const TOLERANCE: f64 = 1e-12;
 /// Relative error that a few roundings leave.
@@ -85,15 +105,18 @@ struct Iterate {
 
 struct Step {
     y: DVector<f64>,
-    ay: DVector<f64>,
     delta: f64,
 }
 
 impl Problem<'_> {
     /// Solves from `start`, or from an elastic foundation where there is none.
     pub fn solve(&self, start: Option<Start<'_>>) -> Result<Solution, Failure> {
-        let mut at = self.start(start);
-        let mut residual = self.residual(&at);
+        let still = |movable| Placed::undeformed(movable, self.gap);
+        let mut placed = self.movable.map(still);
+        let (forces, delta) = self.start(start);
+        self.place(&mut placed, &forces, 1.0);
+        let mut at = self.iterate(self.system(&placed), forces, delta);
+        let mut residual = self.residual(self.system(&placed), &at);
         // Forces balance the prescribed one after a whole step; where they start right, rounding may leave no whole step.
         let free = matches!(self.target, Target::Approach(_));
         let mut balanced = free;
@@ -105,23 +128,42 @@ impl Problem<'_> {
                 });
             }
             if balanced && residual <= TOLERANCE {
-                return self.finish(at, iteration);
+                return self.finish(at, placed, iteration);
             }
             let active = at.active();
             if active.is_empty() && !free {
                 // Nothing touches: close up until the foundation alone would carry the load.
-                let delta = self.start(None).delta;
-                at = self.iterate(DVector::zeros(self.local.len()), delta);
-                residual = self.residual(&at);
+                let (_, delta) = self.start(None);
+                placed = self.movable.map(still);
+                at = self.iterate(
+                    self.system(&placed),
+                    DVector::zeros(self.local.len()),
+                    delta,
+                );
+                residual = self.residual(self.system(&placed), &at);
                 balanced = free;
                 continue;
             }
-            let factor = self.factor(&at, &active)?;
-            let step = self.newton_step(&at, &active, &factor);
-            let is_whole;
-            (at, is_whole) = self.advance(at, &step);
-            residual = self.residual(&at);
-            balanced |= is_whole;
+            let system = self.system(&placed);
+            let factor = self.factor(system, &at, &active)?;
+            let step = self.newton_step(system, &at, &active, &factor);
+            if placed.is_some() && residual < NEAR {
+                // The whole step, as it will be; what counts is what it leaves at the new places.
+                at.y += &step.y;
+                at.delta += step.delta;
+                balanced = true;
+            } else {
+                let is_whole;
+                (at, is_whole) = self.advance(system, at, &step);
+                balanced |= is_whole;
+            }
+            if placed.is_some() {
+                // Where contact moves so easily that it would swing about its place, half the way.
+                let share = if iteration < SWINGING { 1.0 } else { 0.5 };
+                self.place(&mut placed, &at.y, share);
+                at = self.iterate(self.system(&placed), at.y, at.delta);
+            }
+            residual = self.residual(self.system(&placed), &at);
         }
         Err(Failure::NotConverged {
             iterations: MAXIMUM_ITERATIONS,
@@ -129,12 +171,27 @@ impl Problem<'_> {
         })
     }
 
+    fn place(&self, placed: &mut Option<Placed>, forces: &DVector<f64>, share: f64) {
+        if let (Some(movable), Some(last)) = (self.movable, placed.as_mut()) {
+            *last = last.under(movable, self.gap, forces, share);
+        }
+    }
+
+    fn system<'a>(&'a self, placed: &'a Option<Placed>) -> System<'a> {
+        let moved = self.movable.zip(placed.as_ref());
+        System {
+            bulk: self.bulk,
+            gap: placed.as_ref().map_or(self.gap, |placed| &placed.gap),
+            moved: moved.map(|(movable, placed)| (movable.motion, &placed.places)),
+        }
+    }
+
     /// Largest difference between the force of a segment and what its law gives over the largest force, beyond the rounding of the
     /// closing.
-    fn residual(&self, at: &Iterate) -> f64 {
+    fn residual(&self, system: System<'_>, at: &Iterate) -> f64 {
         let (mut largest, mut error) = (0.0f64, 0.0f64);
         for (i, loads) in at.loads.iter().enumerate() {
-            let gap = self.gap[i].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
+            let gap = system.gap[i].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
             let sizes = (self.arm[i] * at.delta).abs() + at.ay[i].abs() + gap;
             let own = (at.y[i] - loads.force()).abs() - ROUNDING * loads.slope() * sizes;
             if own.is_nan() {
@@ -146,7 +203,8 @@ impl Problem<'_> {
         if error > 0.0 { error / largest } else { 0.0 }
     }
 
-    fn start(&self, start: Option<Start<'_>>) -> Iterate {
+    /// Forces (N) and approach (m) to start from.
+    fn start(&self, start: Option<Start<'_>>) -> (DVector<f64>, f64) {
         let n = self.local.len();
         let known = start.filter(|start| start.forces.len() == n);
         let springs = |delta: f64| {
@@ -170,18 +228,24 @@ impl Problem<'_> {
             }
         };
         let forces = known.map(|start| DVector::from_column_slice(start.forces));
-        self.iterate(forces.unwrap_or_else(|| springs(delta)), delta)
+        (forces.unwrap_or_else(|| springs(delta)), delta)
     }
 
     /// The forces `y` at the approach `delta`.
-    fn iterate(&self, y: DVector<f64>, delta: f64) -> Iterate {
-        let ay = self.bulk * &y;
-        self.with_displacement(y, ay, delta)
+    fn iterate(&self, system: System<'_>, y: DVector<f64>, delta: f64) -> Iterate {
+        let ay = system.displaced(&y);
+        self.with_displacement(system, y, ay, delta)
     }
 
-    fn with_displacement(&self, y: DVector<f64>, ay: DVector<f64>, delta: f64) -> Iterate {
+    fn with_displacement(
+        &self,
+        system: System<'_>,
+        y: DVector<f64>,
+        ay: DVector<f64>,
+        delta: f64,
+    ) -> Iterate {
         let x = self.arm * delta - &ay;
-        let points = x.iter().zip(self.local).zip(self.gap);
+        let points = x.iter().zip(self.local).zip(system.gap);
         let loads = points.map(|((x, law), gap)| law.loads(gap.map(|gap| x - gap)));
         let loads = loads.collect();
         Iterate {
@@ -193,18 +257,33 @@ impl Problem<'_> {
         }
     }
 
-    fn factor(&self, at: &Iterate, active: &[usize]) -> Result<Factor, Failure> {
-        let mut matrix = self.bulk.select_rows(active).select_columns(active);
+    fn factor(
+        &self,
+        system: System<'_>,
+        at: &Iterate,
+        active: &[usize],
+    ) -> Result<Factor, Failure> {
+        let mut matrix = system.of_active(active);
         for (number, &i) in active.iter().enumerate() {
             matrix[(number, number)] += at.loads[i].slope().recip();
         }
         matrix.cholesky().ok_or(Failure::NotPositiveDefinite)
     }
 
-    fn newton_step(&self, at: &Iterate, active: &[usize], factor: &Factor) -> Step {
+    fn newton_step(
+        &self,
+        system: System<'_>,
+        at: &Iterate,
+        active: &[usize],
+        factor: &Factor,
+    ) -> Step {
         let mut y = -&at.y;
         active.iter().for_each(|&i| y[i] = 0.0);
-        let freed = self.bulk * &y;
+        // Mostly nothing lets go.
+        let freed = match y.amax() > 0.0 {
+            true => system.displaced(&y),
+            false => DVector::zeros(y.len()),
+        };
         let mut change = DVector::from_fn(active.len(), |place, _| {
             let (i, loads) = (active[place], &at.loads[active[place]]);
             (loads.force() - at.y[i]) / loads.slope() - freed[i]
@@ -222,17 +301,14 @@ impl Problem<'_> {
         for (&i, change) in active.iter().zip(&change) {
             y[i] = *change;
         }
-        Step {
-            ay: self.bulk * &y,
-            y,
-            delta,
-        }
+        Step { y, delta }
     }
 
-    fn slope(&self, at: &Iterate, step: &Step) -> f64 {
+    /// Derivative of J along `step`, which changes displacements by `ay`.
+    fn slope(&self, at: &Iterate, step: &Step, ay: &DVector<f64>) -> f64 {
         let (mut slope, mut carried) = (0.0, 0.0);
         for (i, loads) in at.loads.iter().enumerate() {
-            slope += step.ay[i] * (at.y[i] - loads.force());
+            slope += ay[i] * (at.y[i] - loads.force());
             carried += self.arm[i] * loads.force();
         }
         match self.target {
@@ -242,17 +318,19 @@ impl Problem<'_> {
     }
 
     /// Goes along `step` as far as J does not rise too much, and returns whether that is all of it.
-    fn advance(&self, from: Iterate, step: &Step) -> (Iterate, bool) {
+    fn advance(&self, system: System<'_>, from: Iterate, step: &Step) -> (Iterate, bool) {
+        let ay = system.displaced(&step.y);
         let moved = |t: f64| {
             let at = self.with_displacement(
+                system,
                 &from.y + &step.y * t,
-                &from.ay + &step.ay * t,
+                &from.ay + &ay * t,
                 from.delta + t * step.delta,
             );
-            let slope = self.slope(&at, step);
+            let slope = self.slope(&at, step, &ay);
             (at, slope)
         };
-        let initial = self.slope(&from, step);
+        let initial = self.slope(&from, step, &ay);
         let (mut at, end) = moved(1.0);
         // At the level of rounding the sign of the slope means nothing.
         if initial >= 0.0 || end <= -0.9 * initial {
@@ -288,7 +366,13 @@ impl Problem<'_> {
     }
 
     /// Cleans the forces up and judges them by the original conditions.
-    fn finish(&self, mut at: Iterate, iterations: usize) -> Result<Solution, Failure> {
+    fn finish(
+        &self,
+        mut at: Iterate,
+        placed: Option<Placed>,
+        iterations: usize,
+    ) -> Result<Solution, Failure> {
+        let system = self.system(&placed);
         let presses = |i: usize| at.loads[i].force() > 0.0;
         let mut force =
             DVector::from_fn(
@@ -300,7 +384,7 @@ impl Problem<'_> {
             force *= wanted / self.arm.dot(&force);
         }
         if force != at.y {
-            at = self.iterate(force, at.delta);
+            at = self.iterate(system, force, at.delta);
         }
         let largest = at.y.max();
         let forces = at.y.iter().zip(&at.loads);
@@ -312,7 +396,9 @@ impl Problem<'_> {
         let mut active = at.active();
         active.retain(|&i| at.y[i] > 0.0);
         Ok(Solution {
-            factor: self.factor(&at, &active)?,
+            factor: self.factor(system, &at, &active)?,
+            response: (self.movable.zip(placed.as_ref()))
+                .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active)),
             excess: self.overload(&at.loads),
             force: at.y,
             approach: at.delta,
@@ -321,6 +407,7 @@ impl Problem<'_> {
             iterations,
             kkt_residual,
             active,
+            placed,
         })
     }
 }

@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::candidates::{Candidate, ContactLines};
-use super::influence::Influence;
+use super::influence::{Influence, Motion};
 use super::root_stress::CondensedRoots;
 use super::setup::ContactSetup;
 use crate::accuracy::{InterpolationError, is_beyond};
@@ -40,8 +40,12 @@ pub struct CondensedFlank {
     /// Stress in the tooth roots of gear 1 and gear 2; `None`: it was not computed.
     #[serde(default)]
     pub roots: Option<[CondensedRoots; 2]>,
+    /// Whether contact moves along the profile as teeth bend.
+    #[serde(default)]
+    pub bent_teeth: bool,
     /// Node by node, offsets outside: influence matrix over (tooth pair, station), lower triangle row by row, m/N, then the
-    /// reference lengths of gear 1 and gear 2, m. Zero for segments that are not there.
+    /// reference lengths of gear 1 and gear 2, m, then, where contact moves, tilts row by row, 1/N, and bends, 1/(N m). Zero for segments that are not
+    /// there.
     #[serde(skip)]
     pub values: Vec<f32>,
 }
@@ -87,6 +91,7 @@ impl CondensedFlank {
             pairs: pairs().max().map_or(0, |k| (k - first_pair + 1) as usize),
             shares,
             roots: None,
+            bent_teeth: nodes.iter().any(|node| node.influence.motion.is_some()),
             values: vec![],
         };
         let (size, segments) = (condensed.node_size(), condensed.segments());
@@ -101,6 +106,15 @@ impl CondensedFlank {
                 }
                 for (gear, lengths) in influence.lengths.iter().enumerate() {
                     values[triangle(segments) + gear * segments + row] = lengths[i] as f32;
+                }
+            }
+            let motion = &mut values[triangle(segments) + 2 * segments..];
+            if let Some(Motion { tilt, bend, .. }) = &influence.motion {
+                for (i, &row) in rows.iter().enumerate() {
+                    for (j, &column) in rows.iter().enumerate() {
+                        motion[row * segments + column] = tilt[(i, j)] as f32;
+                    }
+                    motion[segments * segments + row] = bend[i] as f32;
                 }
             }
         }
@@ -120,13 +134,22 @@ impl CondensedFlank {
         let makes_sense =
             matches!(self.offsets.len(), 1 | 3) && ascends && self.positions >= 4 && near;
         let segments = self.pairs.checked_mul(self.stations)?;
-        let size = segments.checked_mul(segments.checked_add(5)?)? / 2;
+        let mut size = segments.checked_mul(segments.checked_add(5)?)? / 2;
+        if self.bent_teeth {
+            size = size.checked_add(segments.checked_mul(segments.checked_add(1)?)?)?;
+        }
         let nodes = self.offsets.len().checked_mul(self.positions)?;
         nodes.checked_mul(size).filter(|_| makes_sense)
     }
 
     fn node_size(&self) -> usize {
-        triangle(self.segments()) + 2 * self.segments()
+        let segments = self.segments();
+        let of_motion = if self.bent_teeth {
+            segments * (segments + 1)
+        } else {
+            0
+        };
+        triangle(segments) + 2 * segments + of_motion
     }
 
     /// Row of a segment in a node, its tooth pair counted on by `turns`.
@@ -174,6 +197,7 @@ impl CondensedFlank {
         let n = segments.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
+        let mut motion = self.bent_teeth.then(|| Motion::still(n, lines.setup));
         let (rows_in_all, positions) = (self.segments(), self.positions as i64);
         let first = (lines.tau * self.positions as f64).floor() as i64 - 1;
         for (number, along) in (first..).zip(along) {
@@ -190,7 +214,26 @@ impl CondensedFlank {
                 }
                 let start = (k * self.positions + node) * self.node_size();
                 let values = &self.values[start..][..self.node_size()];
-                let (matrix, known_lengths) = values.split_at(triangle(rows_in_all));
+                let (matrix, known) = values.split_at(triangle(rows_in_all));
+                let (known_lengths, known_motion) = known.split_at(2 * rows_in_all);
+                if let Some(motion) = &mut motion {
+                    let (tilts, bends) = known_motion.split_at(rows_in_all * rows_in_all);
+                    Lanes::widest().run(|_| {
+                        for &(i, row) in &held {
+                            // Column i of the transpose.
+                            let row_of_tilts = &tilts[row * rows_in_all..][..rows_in_all];
+                            let sums = &mut motion.tilt.as_mut_slice()[i * n..][..n];
+                            for run in &runs {
+                                let (first, column) = run[0];
+                                let values = row_of_tilts[column..].iter().take(run.len());
+                                for (sum, value) in sums[first..].iter_mut().zip(values) {
+                                    *sum += weight * f64::from(*value);
+                                }
+                            }
+                            motion.bend[i] += weight * f64::from(bends[row]);
+                        }
+                    });
+                }
                 Lanes::widest().run(|_| {
                     for &(i, row) in &held {
                         let row = &matrix[triangle(row)..][..=row];
@@ -220,9 +263,24 @@ impl CondensedFlank {
                     bulk[(j, i)] *= scale;
                 }
             }
+            if let Some(motion) = &mut motion {
+                for (j, column) in segments.iter().enumerate() {
+                    if column.tooth_pair == row.tooth_pair {
+                        motion.tilt[(j, i)] *= scale;
+                    }
+                }
+                motion.bend[i] *= scale;
+            }
+        }
+        if let Some(motion) = &mut motion {
+            motion.tilt.transpose_mut();
         }
         bulk.fill_lower_triangle_with_upper_triangle();
-        Influence { bulk, lengths }
+        Influence {
+            bulk,
+            lengths,
+            motion,
+        }
     }
 
     /// Weights of the four nodes about `tau`, and their slopes, 1/cycle: cubic convolution, continuous slope, parabolas exact

@@ -20,6 +20,10 @@ const AT_RELIEF: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 /// Halvings in the search for the position at which the contact line comes to an edge: to a micrometre of face.
 const BISECTIONS: usize = 12;
 
+/// How far contact on bent teeth moves at most along the profile, over the approach for which tip edges are followed: a tooth two modules high
+/// that gives way by the approach is tilted by half of it over the module, flanks have radii of up to ten modules.
+const MOVES_OVER_REACH: f64 = 5.0;
+
 /// What a segment bears at one position.
 struct Sample<'a> {
     segment: usize,
@@ -68,10 +72,14 @@ impl PositionProblem {
                     positions.iter().map(at).collect()
                 };
                 let mut along = LawsAlong::default();
-                if law.has_edge() {
+                let moves = match self.moves() {
+                    true => MOVES_OVER_REACH * lines.setup.reach,
+                    false => 0.0,
+                };
+                if law.has_edge(moves) {
                     along.edge = laws(&positions_near_edge(lines, segment));
                 }
-                if law.has_relief() {
+                if law.has_relief(moves) {
                     along.relief = laws(&AT_RELIEF);
                 }
                 along

@@ -81,6 +81,95 @@ impl GapProfile {
         self.reliefs[number] = other;
     }
 
+    /// Where the gap less `tilt` times t is least, m, within the tip edges: where a flank touches first that is tilted by `tilt` (rad,
+    /// positive where it comes closer with growing t).
+    pub fn least_under(&self, tilt: f64) -> f64 {
+        // Slope of the tilted gap right behind `t` (side 1) or before it (-1), and how it changes with t.
+        let slope_at = |t: f64, side: f64| {
+            let (mut slope, mut bend) = (self.slope + self.curvature * t - tilt, self.curvature);
+            for b in &self.reliefs {
+                let u = b.side * (t - b.at);
+                if u > 0.0 || (u == 0.0 && b.side == side) {
+                    slope += b.side * (b.slope + u * b.curvature);
+                    bend += b.curvature;
+                }
+            }
+            (slope, bend)
+        };
+        let side = match (slope_at(0.0, -1.0).0 > 0.0, slope_at(0.0, 1.0).0 < 0.0) {
+            (true, _) => -1.0,
+            (_, true) => 1.0,
+            _ => return 0.0,
+        };
+        let edge = self.edges[usize::from(side > 0.0)];
+        let mut t = 0.0;
+        loop {
+            let (slope, bend) = slope_at(t, side);
+            if t == edge || side * slope >= 0.0 {
+                return t;
+            }
+            let ahead = |at: &f64| side * (at - t) > 0.0;
+            let starts = self.reliefs.iter().map(|b| b.at).filter(ahead);
+            let end = starts.fold(
+                edge,
+                |end, at| if side * (at - end) < 0.0 { at } else { end },
+            );
+            let least = t - slope / bend;
+            if bend > 0.0 && side * (least - end) <= 0.0 {
+                return least;
+            }
+            t = end;
+        }
+    }
+
+    /// Gap at the distance `t` (m), m.
+    pub fn gap(&self, t: f64) -> f64 {
+        let removal = |b: &Breakpoint| {
+            let u = (b.side * (t - b.at)).max(0.0);
+            u * (b.slope + 0.5 * u * b.curvature)
+        };
+        let reliefs = self.reliefs.iter().map(removal).sum::<f64>();
+        t * (self.slope + 0.5 * t * self.curvature) + reliefs
+    }
+
+    /// d t / d tilt, m/rad, of the place `t` of [`GapProfile::least_under`]: the relative radius of curvature there; zero at a kink or an edge.
+    pub fn radius_at(&self, t: f64) -> f64 {
+        let [low, high] = self.edges;
+        if t <= low || t >= high || self.reliefs.iter().any(|b| b.at == t && b.slope != 0.0) {
+            return 0.0;
+        }
+        let is_on = |b: &&Breakpoint| b.side * (t - b.at) > 0.0;
+        let bends = self.reliefs.iter().filter(is_on).map(|b| b.curvature);
+        (self.curvature + bends.sum::<f64>()).recip()
+    }
+
+    /// The profile of the gap under `tilt` (rad) about where it is least, [`GapProfile::least_under`].
+    pub fn tilted(&self, tilt: f64) -> GapProfile {
+        let t = self.least_under(tilt);
+        let slope = self.slope + self.curvature * t - tilt;
+        let mut profile = GapProfile::parabola(slope, self.curvature, self.edges.map(|e| e - t));
+        for (number, relief) in self.reliefs.iter().enumerate() {
+            if *relief != Breakpoint::NONE {
+                let at = relief.at - t;
+                profile.add(number, Breakpoint { at, ..*relief });
+            }
+        }
+        profile.flatten(0.0);
+        profile
+    }
+
+    /// Makes the flanks parallel at the closest point but at a tip edge, which is no farther than `at_edge` (m): what a search leaves
+    /// over is no slope.
+    pub fn flatten(&mut self, at_edge: f64) {
+        let before = self.slope - self.kink(-1.0);
+        let behind = self.slope + self.kink(1.0);
+        if before > 0.0 && self.edges[0] < -at_edge {
+            self.slope -= before;
+        } else if behind < 0.0 && self.edges[1] > at_edge {
+            self.slope -= behind;
+        }
+    }
+
     /// What the gap falls more steeply before the closest point (side -1) or rises behind it (1), by reliefs that start there.
     pub fn kink(&self, side: f64) -> f64 {
         let here = (self.reliefs.iter()).filter(|b| b.at == 0.0 && b.side == side);
@@ -220,16 +309,6 @@ mod tests {
     use super::*;
 
     impl GapProfile {
-        /// Gap at the distance `t` (m), m.
-        pub fn gap(&self, t: f64) -> f64 {
-            let removal = |b: &Breakpoint| {
-                let u = (b.side * (t - b.at)).max(0.0);
-                u * (b.slope + 0.5 * u * b.curvature)
-            };
-            let reliefs = self.reliefs.iter().map(removal).sum::<f64>();
-            t * (self.slope + 0.5 * t * self.curvature) + reliefs
-        }
-
         /// [`GapProfile::parabola`] far from both edges, with reliefs: the fields of [`Breakpoint`] in their order.
         pub fn relieved(
             slope: f64,

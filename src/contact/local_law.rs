@@ -424,7 +424,7 @@ impl LocalContact {
     }
 
     fn find_load_at_edge(&self) -> f64 {
-        if self.wider.is_none() || !self.has_edge() {
+        if self.wider.is_none() || !self.has_edge(0.0) {
             return f64::INFINITY;
         }
         let (end, distance) = (&self.hertz_end, self.profile.edge_distance());
@@ -459,14 +459,19 @@ impl LocalContact {
         self.c * w * (self.log_reference - other.log_reference)
     }
 
-    /// Whether contact may reach the start of a relief.
-    pub fn has_relief(&self) -> bool {
-        self.profile.relief_distance() < self.widest
+    /// Whether contact that moves by up to `moves` (m) may reach the start of a relief.
+    pub fn has_relief(&self, moves: f64) -> bool {
+        self.profile.relief_distance() < self.widest + moves
     }
 
-    /// Whether contact may reach a tip edge.
-    pub fn has_edge(&self) -> bool {
-        self.profile.edge_distance() < self.widest
+    /// Whether contact that moves by up to `moves` (m) may reach a tip edge.
+    pub fn has_edge(&self, moves: f64) -> bool {
+        self.profile.edge_distance() < self.widest + moves
+    }
+
+    /// The gap that it is the law of.
+    pub fn profile(&self) -> &GapProfile {
+        &self.profile
     }
 
     pub fn length(&self) -> f64 {
@@ -649,7 +654,7 @@ mod tests {
         // p = sqrt(w E* / (pi R)), 1/E* = 2 (1 - nu^2) / E.
         let p = (1e5 / (2.0 * STEEL) / (PI * RADIUS)).sqrt();
         assert_relative_eq!(law.pressure(1e5).unwrap(), p, max_relative = 1e-13);
-        assert!(!law.has_edge() && !law.has_relief());
+        assert!(!law.has_edge(0.0) && !law.has_relief(0.0));
     }
 
     #[test]

@@ -13,11 +13,14 @@
 //! of the modified flanks where they come closest (`transverse.rs`), minus what the misalignment closes. It is taken at several points
 //! of each segment, so that the edge of the contact moves in small steps; forces and bulk displacements are those of whole segments.
 //!
-//! The torque on gear 1 is F_bt rb1, F_bt = cos beta_b sum a_i F_i with a_i the arm of the transverse force
-//! about the axis of gear 1 over rb1: 1, but for a tip edge of gear 1 on the flank of gear 2, whose normals
-//! touch the base circle of gear 2. There the torques are not in the ratio of the base radii, and mesh position
-//! and approach are those of a pair whose gear 2 is held and whose gear 1 is turned.
+//! Force and approach on the line of action are those of both gears in the mean: F_bt = cos beta_b sum a_i F_i is half the sum of their torques
+//! over their base radii, a_i the mean arm of the transverse force about both axes over the base radii; either gear turns half of the
+//! approach. The arm is 1, but for a tip edge on the flank of its mate, whose normals touch its own base circle: there the torques are
+//! not quite in the ratio of the base radii. So nothing depends on which gear is called gear 1.
+//!
+//! On bent teeth contact moves along the profile (`bent.rs`).
 
+mod bent;
 mod candidates;
 mod complementarity;
 mod condensed;

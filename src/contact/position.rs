@@ -1,7 +1,8 @@
 //! Contact at one position of the mesh, for any load and misalignment: the problem, and what a solution says.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
+use super::bent::Movable;
 use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Problem, Solution, Start, Target};
 use super::error::{ContactError, Failure, Prescribed, finite};
@@ -20,11 +21,13 @@ pub struct PositionProblem {
     /// As gear 1 and gear 2 see them; not known at run time, nor are the laws along them.
     pub seen: Vec<[Segment; 2]>,
     influence: Influence,
+    /// The gap about the closest point of each segment.
+    profiles: Vec<GapProfile>,
     /// Law of one point of each segment.
     pub(super) local: Vec<LocalContact>,
     /// Laws along each segment of a helical pair.
     pub(super) along: Vec<LawsAlong>,
-    /// Arm of the normal force on each segment about the axis of gear 1, over its base radius.
+    /// [`Candidate::arm`] of the normal force on each segment.
     pub(super) arm: DVector<f64>,
     pub(super) numbers: PairNumbers,
     /// Deviation from the nominal centre distance, m.
@@ -125,6 +128,9 @@ pub struct ContactResult {
     pub misalignment: f64,
     /// Transverse force on the line of action F_bt, N.
     pub loa_force: f64,
+    /// Torques of the contact forces about the axes of gear 1 and gear 2 over their base radii, N: F_bt in the mean, and both of them unless a tip
+    /// edge bears.
+    pub torque_forces: [f64; 2],
     /// Shuttling moment F_bt (z_c - z_ref), N m: of the forces about the normal of the plane of action through the pitch point at
     /// mid-face, over cos beta_b.
     pub moment: f64,
@@ -168,10 +174,11 @@ impl PositionProblem {
     ) -> PositionProblem {
         let (setup, numbers) = (lines.setup, &lines.section.numbers);
         let modulus = setup.geometry.gears.iter().map(|g| g.youngs_modulus);
-        let arm = |i: usize, _| candidates[i].arms[0] * numbers.cos_beta_b;
+        let arm = |i: usize, _| candidates[i].arm() * numbers.cos_beta_b;
         let mut problem = PositionProblem {
             local: vec![],
             arm: DVector::from_fn(candidates.len(), arm),
+            profiles: candidates.iter().map(|c| c.profile).collect(),
             candidates,
             seen: vec![],
             influence,
@@ -197,6 +204,11 @@ impl PositionProblem {
     ) -> LocalContact {
         let length = segment.length(self.numbers.cos_beta_b) / POINTS as f64;
         LocalContact::new(&self.numbers.bodies, lengths, profile, length)
+    }
+
+    /// Whether contact moves along the profile.
+    pub(super) fn moves(&self) -> bool {
+        self.influence.motion.is_some()
     }
 
     /// Reference lengths of both gears at segment `i`, m.
@@ -328,6 +340,56 @@ impl PositionProblem {
         }
     }
 
+    /// Approach (m) under the load of `result`, a solution at `misalignment` (rad), if contact stayed where the undeformed flanks come
+    /// closest.
+    ///
+    /// # Errors
+    /// What the solve can refuse.
+    pub fn approach_of_held_contact(
+        &self,
+        misalignment: f64,
+        result: &ContactResult,
+    ) -> Result<f64, ContactError> {
+        if !self.moves() || result.loa_force <= 0.0 {
+            return Ok(result.approach);
+        }
+        let forces: Vec<f64> = result.segments.iter().map(|s| s.force).collect();
+        let start = Start {
+            forces: &forces,
+            approach: result.approach,
+        };
+        let prescribed = Prescribed::Torque(result.loa_force * self.numbers.base_radius[0]);
+        let gap = self.gaps(misalignment);
+        let problem = Problem {
+            movable: None,
+            ..self.problem(prescribed, &gap)
+        };
+        let solution = problem.solve(Some(start));
+        let failed = |failure| self.unsolved(prescribed, misalignment, failure);
+        Ok(solution.map_err(failed)?.approach)
+    }
+
+    /// The contact problem at the gaps `gap` (m).
+    fn problem<'a>(&'a self, prescribed: Prescribed, gap: &'a [[f64; POINTS]]) -> Problem<'a> {
+        Problem {
+            bulk: &self.influence.bulk,
+            local: &self.local,
+            gap,
+            arm: &self.arm,
+            target: match prescribed {
+                Prescribed::Torque(torque) => Target::Force(torque / self.numbers.base_radius[0]),
+                Prescribed::Approach(approach) => Target::Approach(approach),
+            },
+            foundation: self.foundation,
+            shortest: self.shortest,
+            movable: (self.influence.motion.as_ref()).map(|motion| Movable {
+                motion,
+                profiles: &self.profiles,
+                longest: motion.step,
+            }),
+        }
+    }
+
     pub(super) fn solution(
         &self,
         prescribed: Prescribed,
@@ -336,20 +398,18 @@ impl PositionProblem {
     ) -> Result<Solution, ContactError> {
         finite("misalignment", misalignment)?;
         let gap = self.gaps(misalignment);
-        let problem = Problem {
-            bulk: &self.influence.bulk,
-            local: &self.local,
-            gap: &gap,
-            arm: &self.arm,
-            target: match prescribed {
-                Prescribed::Torque(torque) => Target::Force(torque / self.numbers.base_radius[0]),
-                Prescribed::Approach(approach) => Target::Approach(approach),
-            },
-            foundation: self.foundation,
-            shortest: self.shortest,
-        };
+        let problem = self.problem(prescribed, &gap);
         let failed = |failure| self.unsolved(prescribed, misalignment, failure);
-        let mut solution = problem.solve(start).map_err(failed)?;
+        let mut solution = match problem.solve(start) {
+            Err(failure) if problem.movable.is_some() => {
+                // Under loads beyond all that teeth bear they bend without end; where contact stays, the load is known that no flank carries.
+                let movable = None;
+                let held = Problem { movable, ..problem }.solve(start);
+                let beyond = held.ok().filter(|held| held.excess.is_some());
+                beyond.ok_or_else(|| failed(failure))?
+            }
+            solution => solution.map_err(failed)?,
+        };
         if let (None, Some(reach)) = (solution.excess, self.reach) {
             let levers = self.candidates.iter().flat_map(|c| c.levers);
             let approaches = levers.map(|lever| solution.approach + misalignment * lever);
@@ -359,19 +419,78 @@ impl PositionProblem {
         Ok(solution)
     }
 
+    /// The segments where `solution` has moved contact to, with the laws there; those that bear nothing stay.
+    fn moved(&self, solution: &Solution) -> Option<PositionProblem> {
+        let placed = solution.placed.as_ref()?;
+        let mut moved = PositionProblem {
+            candidates: self.candidates.clone(),
+            seen: self.seen.clone(),
+            influence: Influence {
+                bulk: DMatrix::zeros(0, 0),
+                lengths: self.influence.lengths.clone(),
+                motion: None,
+            },
+            profiles: vec![],
+            local: self.local.clone(),
+            along: vec![],
+            arm: self.arm.clone(),
+            ..*self
+        };
+        let law = |i: usize, law: &LocalContact| {
+            let profile = law.profile().tilted(placed.tilts[i]);
+            self.law(&self.candidates[i], &profile, self.lengths(i))
+        };
+        for (i, candidate) in moved.candidates.iter_mut().enumerate() {
+            let by = placed.places[i];
+            if solution.force[i] > 0.0 {
+                let roll = |g: usize| self.numbers.moved_roll(g, candidate.roll[g], by);
+                candidate.roll = [0, 1].map(roll);
+                moved.seen[i] = self.numbers.moved(&self.seen[i], by);
+                moved.local[i] = law(i, &self.local[i]);
+                candidate.profile = *moved.local[i].profile();
+            }
+        }
+        let along = self.along.iter().enumerate().map(|(i, along)| {
+            let laws = |laws: &[LawAt]| {
+                let there = laws.iter().map(|at| LawAt {
+                    position: at.position,
+                    law: law(i, &at.law),
+                });
+                there.collect()
+            };
+            LawsAlong {
+                edge: laws(&along.edge),
+                relief: laws(&along.relief),
+            }
+        });
+        moved.along = along.collect();
+        Some(moved)
+    }
+
     fn result(&self, solution: Solution, misalignment: f64) -> ContactResult {
-        let gap = self.gaps(misalignment);
+        match self.moved(&solution) {
+            Some(moved) => moved.result_here(&solution, misalignment),
+            None => self.result_here(&solution, misalignment),
+        }
+    }
+
+    /// What `solution` says, whose segments lie where contact is.
+    fn result_here(&self, solution: &Solution, misalignment: f64) -> ContactResult {
+        let gap = match &solution.placed {
+            Some(placed) => placed.gap.clone(),
+            None => self.gaps(misalignment),
+        };
         let loa_force = self.arm.dot(&solution.force);
         let over_force = |value: f64| match loa_force > 0.0 {
             true => value / loa_force,
             false => 0.0,
         };
-        let (moment, tangent, [by_approach, by_misalignment]) = self.moment(&solution);
+        let (moment, tangent, [by_approach, by_misalignment]) = self.moment(solution);
         let mut slopes = vec![[0.0; 2]; gap.len()];
         for (place, &i) in solution.active.iter().enumerate() {
             slopes[i] = [by_approach[place], by_misalignment[place]];
         }
-        let mut edge_loads = self.edge_loads(&solution, &gap);
+        let mut edge_loads = self.edge_loads(solution, &gap);
         let mut pressures = self.pressures(&solution.loads, &edge_loads);
         for (i, law) in self.local.iter().enumerate() {
             if law.length() < self.shortest {
@@ -400,10 +519,16 @@ impl PositionProblem {
                 gap: (least - solution.closing[i]).max(0.0),
             });
         }
+        let torque_force = |g: usize| {
+            let bearing = self.candidates.iter().zip(&solution.force);
+            let parts = bearing.map(|(segment, force)| segment.arms[g] * force);
+            self.numbers.cos_beta_b * parts.sum::<f64>()
+        };
         ContactResult {
             approach: solution.approach,
             misalignment,
             loa_force,
+            torque_forces: [0, 1].map(torque_force),
             moment,
             contact_z: self.numbers.z_ref + over_force(moment),
             load_share,
@@ -440,7 +565,7 @@ impl PositionProblem {
             within += normal * normal * (sums[2] - sums[1] * sums[1] / sums[0]);
         }
         let arms = self.arm.select_rows(&solution.active);
-        let [by_approach, by_misalignment] = [&arms, &levers].map(|x| solution.factor.solve(x));
+        let [by_approach, by_misalignment] = [&arms, &levers].map(|x| solution.stiffened(x));
         let tangent = Tangent {
             force_by_approach: by_approach.dot(&arms),
             force_by_misalignment: by_misalignment.dot(&arms),

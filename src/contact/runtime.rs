@@ -16,6 +16,7 @@ use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Solution, Start};
 use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
+use super::influence::Influence;
 use super::position::{PositionProblem, Tangent};
 use super::setup::ContactSetup;
 use super::transverse::PairNumbers;
@@ -82,7 +83,7 @@ impl Pose<'_> {
     fn candidates(&self) -> Vec<Candidate> {
         let mut segments = self.lines.candidates();
         let overlap = |segment: &Candidate| {
-            let closed = segment.arms[0] * self.approach;
+            let closed = segment.arm() * self.approach;
             let points = segment.levers.into_iter().zip(segment.gap);
             let each = points.map(|(lever, gap)| closed + self.misalignment * lever - gap);
             each.fold(f64::NEG_INFINITY, f64::max)
@@ -234,7 +235,17 @@ impl RuntimeContact {
         let forces: DVector<f64> = solution.force.select_rows(&loaded);
         let lines = &pose.lines;
         let influence = self.condensed.slopes(&carrying, lines);
-        let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
+        let places = (solution.placed.as_ref()).map(|placed| placed.places.select_rows(&loaded));
+        let mut slopes = [0, 1].map(|axis| {
+            let Influence { bulk, motion, .. } = &influence[axis];
+            let still = -0.5 * (bulk * &forces).dot(&forces);
+            let (Some(motion), Some(places)) = (motion, &places) else {
+                return still;
+            };
+            let moments = places.component_mul(&forces);
+            let bent = motion.bend.component_mul(&moments) * 0.5 + &motion.tilt * &forces;
+            still - bent.dot(&moments)
+        });
         let offset = lines.center_distance_offset + STEPS[1];
         let farther = (lines.section).near(self.setup.geometry.center_distance + offset);
         let moved = [
@@ -260,9 +271,12 @@ impl RuntimeContact {
                 let there = lines.segment(segments[i].tooth_pair, segments[i].station);
                 let there = there.map_or(0.0, |segment| {
                     let law = problem.law(&segment, &segment.profile, lengths);
-                    let closing = self.numbers.cos_beta_b * segment.arms[0] * pose.approach;
+                    let closing = self.numbers.cos_beta_b * segment.arm() * pose.approach;
                     let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
-                    let penetration = |q| closing - deflection - self.numbers.cos_beta_b * left(q);
+                    let opened = (solution.placed.as_ref())
+                        .map_or(0.0, |placed| placed.opened(i, &segment.profile));
+                    let penetration =
+                        |q| closing - deflection - opened - self.numbers.cos_beta_b * left(q);
                     law.loads(std::array::from_fn(penetration)).energy()
                 });
                 slopes[axis] += (there - local) / STEPS[axis];

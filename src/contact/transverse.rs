@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::gap::{Breakpoint, GapProfile};
 use super::local_law::{Corner, LocalBody};
+use crate::compliance::Segment;
 use crate::gear::{Gear, Microgeometry, PairGeometry};
 use crate::root::bisection;
 
@@ -68,6 +69,21 @@ impl PairNumbers {
             face_offset: each(|g| g.face_offset),
             bodies,
         }
+    }
+
+    /// The length of roll (m) on gear `i` where the flanks are touched `by` (m) nearer to the tip of gear 1 than at the length `roll`.
+    pub fn moved_roll(&self, i: usize, roll: f64, by: f64) -> f64 {
+        // Arcs of an involute are roll² / (2 rb).
+        let square = roll * roll + 2.0 * self.base_radius[i] * self.q[i] * by;
+        square.max(0.0).sqrt()
+    }
+
+    /// A segment that both gears see as `seen` where contact has moved `by` (m) towards the tip of gear 1.
+    pub fn moved(&self, seen: &[Segment; 2], by: f64) -> [Segment; 2] {
+        [0, 1].map(|i| Segment {
+            roll: seen[i].roll.map(|roll| self.moved_roll(i, roll, by)),
+            ..seen[i]
+        })
     }
 }
 
@@ -415,15 +431,7 @@ impl<'a> MatingFlanks<'a> {
             }
         }
         profile.curvature = profile.curvature.max(LEAST_CURVATURE * involutes);
-        // The flanks are parallel where they come closest, but at a tip edge; what the search leaves over is none of it.
-        let before = profile.slope - profile.kink(-1.0);
-        let behind = profile.slope + profile.kink(1.0);
-        let at_edge = TOLERANCE / self.curvature;
-        if before > 0.0 && profile.edges[0] < -at_edge {
-            profile.slope -= before;
-        } else if behind < 0.0 && profile.edges[1] > at_edge {
-            profile.slope -= behind;
-        }
+        profile.flatten(TOLERANCE / self.curvature);
         profile
     }
 }

@@ -19,6 +19,9 @@ fn reference(name: &str) -> (Pair, Value) {
     (pair::from_json(&case["pair"].to_string()).unwrap(), case)
 }
 
+/// The reference holds gear 2 and turns gear 1 under its own torque. Where tip edges bear, that is half of the approach on from the mesh
+/// position at which both gears have turned by half of it, and the torques are not in the ratio of the base radii.
+///
 /// Every load of the case at every position: the transmission error within the part `each` of it and its mean within the part
 /// `of_mean`, its peak-to-peak value within 2 % or 0.05 um beside the error of the reference that it shows itself, z_c within 0.05 mm
 /// and the flank pressure within 3 %.
@@ -36,13 +39,32 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
     let solver = solver(&pair, &settings, None, contact);
     let offset = 1e-6 * number(&case["center_distance_offset_um"]);
     let [positions, loads] = ["positions", "loads"].map(|key| case[key].as_array().unwrap());
-    let problem = |at: &Value| solver.position(Flank::Drive, number(&at["mesh_position"]), offset);
-    let problems: Vec<_> = positions.iter().map(|at| problem(at).unwrap()).collect();
+    let of_gear1 = |position: f64, torque: f64, misalignment: f64| {
+        let base_radius = pair.geometry.gears[0].base_radius();
+        let problem = |position| solver.position(Flank::Drive, position, offset).unwrap();
+        let (mut problem_there, mut mean) = (problem(position), torque);
+        let mut result = problem_there
+            .solve_torque(mean, misalignment, None)
+            .unwrap();
+        // Along the path alone both conventions are one.
+        let is_own = |r: &ContactResult| (r.torque_forces[0] / r.loa_force - 1.0).abs() < 1e-9;
+        for _ in 0..4 {
+            if is_own(&result) {
+                break;
+            }
+            problem_there = problem(position + 0.5 * result.approach / pair.geometry.base_pitch());
+            mean *= torque / (result.torque_forces[0] * base_radius);
+            result = problem_there
+                .solve_torque(mean, misalignment, None)
+                .unwrap();
+        }
+        result
+    };
     for (i, load) in loads.iter().enumerate() {
         let [torque, tilt] = [0, 1].map(|k| number(&load[k]));
         let (mut found, mut known) = (vec![], vec![]);
-        for (at, problem) in positions.iter().zip(&problems) {
-            let result = problem.solve_torque(torque, 1e-3 * tilt, None).unwrap();
+        for at in positions {
+            let result = of_gear1(number(&at["mesh_position"]), torque, 1e-3 * tilt);
             let ste = 1e6 * result.approach;
             for (key, found, relative, absolute) in [
                 ("ste_um", ste, each, 0.0),

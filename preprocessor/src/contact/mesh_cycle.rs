@@ -45,6 +45,8 @@ pub struct MeshCycle {
     pub results: Vec<ContactResult>,
     /// Approach of first touch at each, m.
     pub no_load_approach: Vec<f64>,
+    /// STE at each position if contact stayed where the undeformed flanks come closest, m.
+    pub held_ste: Vec<f64>,
     /// How the load slides at each, every segment counted alike.
     pub sliding: Vec<Sliding>,
     /// The same with the weights of the pair's law of friction.
@@ -81,7 +83,7 @@ impl LoadCase {
 }
 
 /// Contact, shafts, no-load approach (m) and sliding at a position.
-type Solved = (ContactResult, Option<ShaftState>, f64, [Sliding; 2]);
+type Solved = (ContactResult, Option<ShaftState>, [f64; 2], [Sliding; 2]);
 
 impl MeshCycle {
     /// Solves all positions, in parallel, without shafts.
@@ -149,8 +151,11 @@ impl MeshCycle {
                 };
                 let sliding =
                     [even, solver.friction()].map(|law| solver.sliding(&at, &result, &law));
-                let no_load = at.no_load_approach(case.misalignment);
-                solved.push((result, state, no_load, sliding));
+                let unbent = [
+                    at.no_load_approach(case.misalignment),
+                    at.approach_of_held_contact(case.misalignment, &result)?,
+                ];
+                solved.push((result, state, unbent, sliding));
                 let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(count as f64 / (n * cases.len()) as f64);
             }
@@ -166,10 +171,11 @@ impl MeshCycle {
         let mut cycles = vec![empty; cases.len()];
         for position in solved {
             for (cycle, found) in cycles.iter_mut().zip(position) {
-                let (result, state, no_load, [sliding, friction]) = found;
+                let (result, state, [no_load, held], [sliding, friction]) = found;
                 cycle.results.push(result);
                 cycle.shafts.extend(state);
                 cycle.no_load_approach.push(no_load);
+                cycle.held_ste.push(held);
                 cycle.sliding.push(sliding);
                 cycle.friction.push(friction);
             }
@@ -189,9 +195,22 @@ impl MeshCycle {
 
     /// Highest minus lowest STE, m.
     pub fn peak_to_peak_ste(&self) -> f64 {
-        let ste = self.ste();
-        let lowest = ste.iter().copied().fold(f64::INFINITY, f64::min);
-        ste.into_iter().fold(f64::NEG_INFINITY, f64::max) - lowest
+        peak_to_peak(&self.ste())
+    }
+
+    /// By how much contact that moves along the profile of bent teeth changes mean and peak-to-peak STE, over those of contact that stays;
+    /// zero without load.
+    pub fn share_of_bent_teeth(&self) -> [f64; 2] {
+        let sum: f64 = self.held_ste.iter().sum();
+        let held = [
+            sum / self.held_ste.len() as f64,
+            peak_to_peak(&self.held_ste),
+        ];
+        let free = [self.mean_ste(), self.peak_to_peak_ste()];
+        [0, 1].map(|i| match held[i] > 0.0 {
+            true => free[i] / held[i] - 1.0,
+            false => 0.0,
+        })
     }
 
     /// Largest Hertz pressure of the cycle inside the flanks, Pa.
@@ -318,6 +337,12 @@ impl MeshCycle {
         let z = (0..stations).map(middle).collect();
         FaceLoad { z, load }
     }
+}
+
+fn peak_to_peak(values: &[f64]) -> f64 {
+    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    highest - lowest
 }
 
 /// Harmonics of the mesh frequency that are reported.

@@ -92,6 +92,8 @@ pub struct PairFile {
     /// j_bn, in place of `backlash_um`.
     pub normal_backlash_um: Option<Dimension>,
     pub face_offset_mm: Option<f64>,
+    /// Of the centre distance. Default 0.
+    pub housing_thermal_expansion_um_per_m_k: Option<f64>,
     pub gear1: GearFile,
     pub gear2: GearFile,
     pub operating: OperatingFile,
@@ -207,6 +209,10 @@ with_modifications! {
         pub rim_foundation_n_per_mm3: Option<f64>,
         #[serde(default = "default_youngs_modulus")]
         pub youngs_modulus_gpa: f64,
+        /// [°C, GPa], ascending, in place of `youngs_modulus_gpa`.
+        pub youngs_modulus_over_temperature: Option<Vec<[f64; 2]>>,
+        /// Linear. Default 0.
+        pub thermal_expansion_um_per_m_k: Option<f64>,
         #[serde(default = "default_poisson_ratio")]
         pub poisson_ratio: f64,
         pub drive_flank: Option<FlankFile>,
@@ -407,6 +413,8 @@ pub struct OperatingFile {
     pub center_distance_offset_um: [f64; 2],
     /// Default: what the shafts on bearings cause.
     pub misalignment_mrad: Option<[f64; 2]>,
+    /// Of the gears and the housing. Default 20, as of the drawing.
+    pub temperature_c: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

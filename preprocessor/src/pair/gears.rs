@@ -5,6 +5,7 @@ use super::checks::{
     refusal,
 };
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
+use super::temperature;
 use gearmesh::gear::{
     Body, Gear, GearKind, PairGeometry, ProfileError, Stub, ToothProfile, inverse_involute,
 };
@@ -40,7 +41,7 @@ pub(super) fn unshifted(file: &PairFile, i: usize, helix: f64) -> Gear {
         tooth_thinning: 0.0,
         tip_chamfer: 0.0,
         root_form_radius: None,
-        youngs_modulus: g.youngs_modulus_gpa * 1e9,
+        youngs_modulus: temperature::youngs_modulus(file, g) * 1e9,
         poisson_ratio: g.poisson_ratio,
     }
 }

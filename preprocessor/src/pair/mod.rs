@@ -12,6 +12,7 @@ mod mesh;
 mod modifications;
 mod shafts;
 mod signs;
+mod temperature;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -80,7 +81,10 @@ fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusals> {
 
 /// The pair of a file without the signs of ISO 21771.
 fn resolve_sizes(file: &PairFile, folder: &Path) -> Result<Pair, Refusals> {
-    let fields = checks::check_fields(file);
+    let fields = both(
+        checks::check_fields(file),
+        temperature::check_fields(file).map_err(Refusals::from),
+    );
     let (fields, friction) = (fields.err(), friction(file.friction.as_ref()));
     let helix = drawing::helix(file)?;
     let alone = match fields {
@@ -188,7 +192,8 @@ fn resolve_pair(
         ),
     )?;
     notes.extend(in_mesh);
-    let (microgeometry, teeth) = flanks;
+    let (mut microgeometry, teeth) = flanks;
+    temperature::expand(file, &mut geometry, &mut microgeometry)?;
     notes.extend(note_on_teeth(&teeth).map(str::to_owned));
     let misalignment = misalignment(file, &geometry, &shafts)?;
     if shafts.iter().any(Option::is_some) {

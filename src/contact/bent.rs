@@ -1,0 +1,195 @@
+//! Where contact lies on bent teeth.
+//!
+//! A loaded tooth bends and tilts its flank; contact moves along the profile to where the flanks are closest then. With s the place of a
+//! segment (m towards the tip of gear 1, from where the undeformed flanks come closest), F its force, A(s) the bulk matrix with loads and
+//! displacements at these places and g the gap about the closest point, the mesh has the potential
+//!
+//! Pi = delta sum c_i F_i - [1/2 F' A(s) F + sum g_i(s_i) F_i + local energy(F)],
+//!
+//! which is stationary in s, too: g_i'(s_i) = tau_i, tau_i = -sum_j B_ij F_j - C_i s_i F_i the tilt of the flanks, A(s) and its slopes B and C
+//! as in [`Motion`]. So s_i is the least of the tilted gap. At a parabola of the relative radius of curvature R it is R tau. The law of local contact,
+//! which shares out what a segment bears, is that of the gap about s = 0, or about places that are known from a solution before.
+//!
+//! Forces and M_i = s_i F_i are the conjugates of the closing and the tilt of a segment: what follows from the potential - energy, force,
+//! shuttling moment, their slopes - keeps its form.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::gap::GapProfile;
+use super::influence::Motion;
+use super::local_law::POINTS;
+
+/// The segments of a position, which may move.
+#[derive(Clone, Copy)]
+pub struct Movable<'a> {
+    pub motion: &'a Motion,
+    /// Gap about the closest point of each segment.
+    pub profiles: &'a [GapProfile],
+    /// How far contact moves in one step of a solve at most, m.
+    pub longest: f64,
+}
+
+/// Places of the segments, and the gaps there.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    /// Places along the profile, m.
+    pub places: DVector<f64>,
+    /// Tilts of the flanks, rad.
+    pub tilts: DVector<f64>,
+    /// Gaps at the points of each segment along the normal, m.
+    pub gap: Vec<[f64; POINTS]>,
+}
+
+impl Placed {
+    /// At the places `places` (m), where the flanks are tilted by `tilts` (rad).
+    fn new(
+        movable: Movable<'_>,
+        gap: &[[f64; POINTS]],
+        places: DVector<f64>,
+        tilts: DVector<f64>,
+    ) -> Placed {
+        let mut placed = Placed {
+            gap: vec![],
+            places,
+            tilts,
+        };
+        let opened = gap.iter().enumerate().map(|(i, gap)| {
+            let by = placed.opened(i, &movable.profiles[i]);
+            gap.map(|gap| gap + by)
+        });
+        placed.gap = opened.collect();
+        placed
+    }
+
+    /// Contact of undeformed flanks with the gaps `gap` (m).
+    pub fn undeformed(movable: Movable<'_>, gap: &[[f64; POINTS]]) -> Placed {
+        let still = DVector::zeros(gap.len());
+        Placed::new(movable, gap, still.clone(), still)
+    }
+
+    /// The places under `forces` (N), `share` of the way from the present ones.
+    pub fn under(
+        &self,
+        movable: Movable<'_>,
+        gap: &[[f64; POINTS]],
+        forces: &DVector<f64>,
+        share: f64,
+    ) -> Placed {
+        let pressing = forces.map(|force| force.max(0.0));
+        let moments = self.places.component_mul(&pressing);
+        let tilts =
+            -(&movable.motion.tilt * &pressing + movable.motion.bend.component_mul(&moments));
+        let towards = |i: usize| movable.profiles[i].least_under(tilts[i]) - self.places[i];
+        let moves = DVector::from_fn(tilts.len(), |i, _| towards(i));
+        // Forces far from equilibrium say little about the places.
+        let share = share * (movable.longest / moves.amax()).min(1.0);
+        let places = &self.places + moves * share;
+        Placed::new(movable, gap, places, tilts)
+    }
+
+    /// How much farther apart flanks with the gap `profile` are at the place of segment `i` than where they come closest undeformed, m.
+    pub fn opened(&self, i: usize, profile: &GapProfile) -> f64 {
+        let least = profile.least_under(self.tilts[i]);
+        // On the way to its place a segment sees the tilted flank.
+        profile.gap(least) + self.tilts[i] * (self.places[i] - least)
+    }
+}
+
+/// Bulk matrix A(s) and gaps at the present places.
+#[derive(Clone, Copy)]
+pub struct System<'a> {
+    /// A, m/N, of contact that stays.
+    pub bulk: &'a DMatrix<f64>,
+    /// Gaps at the points of each segment along the normal, m.
+    pub gap: &'a [[f64; POINTS]],
+    /// Slopes of A and the places, m; `None`: contact stays.
+    pub moved: Option<(&'a Motion, &'a DVector<f64>)>,
+}
+
+impl System<'_> {
+    /// Displacements A(s) F under the forces `forces` (N), m.
+    pub fn displaced(&self, forces: &DVector<f64>) -> DVector<f64> {
+        let mut displaced = self.bulk * forces;
+        if let Some((Motion { tilt, bend, .. }, places)) = self.moved {
+            let moments = places.component_mul(forces);
+            let tilts = tilt * forces + bend.component_mul(&moments);
+            displaced += tilts.component_mul(places);
+            displaced.gemv_tr(1.0, tilt, &moments, 1.0);
+        }
+        displaced
+    }
+
+    /// A(s) of the segments `active`, lower triangle.
+    pub fn of_active(&self, active: &[usize]) -> DMatrix<f64> {
+        let n = active.len();
+        let mut matrix = DMatrix::zeros(n, n);
+        for (column, &j) in active.iter().enumerate() {
+            for (row, &i) in active.iter().enumerate().skip(column) {
+                matrix[(row, column)] = self.bulk[(i, j)];
+                if let Some((Motion { tilt, .. }, places)) = self.moved {
+                    matrix[(row, column)] += places[i] * tilt[(i, j)] + places[j] * tilt[(j, i)];
+                }
+            }
+            if let Some((Motion { bend, .. }, places)) = self.moved {
+                matrix[(column, column)] += places[j] * places[j] * bend[j];
+            }
+        }
+        matrix
+    }
+}
+
+/// The linear response about a solution whose segments may move.
+#[derive(Debug, Clone)]
+pub struct Response {
+    /// B over the segments in contact, with C s on the diagonal.
+    tilt: DMatrix<f64>,
+    /// R F / (1 + R F C), N m: by how much F s of a segment changes per tilt by others.
+    mobility: DVector<f64>,
+}
+
+/// Relative error at which the response counts as found, and the steps after which it is taken as it is.
+const TOLERANCE: f64 = 1e-11;
+const STEPS: usize = 100;
+
+impl Response {
+    /// About the places `placed` under `forces` (N) of the segments `active`.
+    pub fn new(
+        movable: Movable<'_>,
+        placed: &Placed,
+        forces: &DVector<f64>,
+        active: &[usize],
+    ) -> Response {
+        let Motion { tilt, bend, .. } = movable.motion;
+        let mut tilt = tilt.select_rows(active).select_columns(active);
+        let mobility = DVector::from_fn(active.len(), |number, _| {
+            let i = active[number];
+            tilt[(number, number)] += bend[i] * placed.places[i];
+            let moves = forces[i] * movable.profiles[i].radius_at(placed.places[i]);
+            moves / (1.0 + moves * bend[i])
+        });
+        Response { tilt, mobility }
+    }
+
+    /// Forces by which the closings of the segments in contact grow by `closing`, `factor` that of D + A at places that stay. With N the change of
+    /// F s but for that of F, the system
+    ///
+    /// ```text
+    /// [ D + A    B'         ] [ F ]   [ closing ]
+    /// [ B     C + 1 / (F R) ] [ N ] = [ 0       ]
+    /// ```
+    ///
+    /// is solved by eliminating N, whose part is small, by repetition.
+    pub fn solve(&self, factor: &Cholesky<f64, Dyn>, closing: &DVector<f64>) -> DVector<f64> {
+        let mut forces = factor.solve(closing);
+        for _ in 0..STEPS {
+            let moments = self.mobility.component_mul(&(&self.tilt * &forces));
+            let next = factor.solve(&(closing + self.tilt.tr_mul(&moments)));
+            let change = (&next - &forces).amax();
+            forces = next;
+            if change <= TOLERANCE * forces.amax() {
+                break;
+            }
+        }
+        forces
+    }
+}

@@ -65,10 +65,13 @@ pub struct Model {
     pub description: String,
     /// Seconds, and where the elastic models of both gears came from and are kept.
     pub effort: String,
-    pub compliance: [Arc<dyn ToothCompliance>; 2],
+    pub compliance: Compliance,
     /// Of the loaded flank, where the stress in the roots is requested.
     pub fillets: Option<Fillets>,
 }
+
+/// Of gear 1 and gear 2.
+pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
 pub struct Fillets {
     /// Maps from loads to the stress in the roots of gear 1 and gear 2.

@@ -14,6 +14,7 @@ use clap::Args;
 use gearmesh::gear::tolerance;
 use gearmesh::pair::Pair;
 use gearmesh::words::hex;
+use gearmesh_preprocessor::contact::ModelSettings;
 use gearmesh_preprocessor::pair::{self, PairDraft};
 use indicatif::HumanDuration;
 use rayon::prelude::*;
@@ -28,10 +29,13 @@ use setup::{FLANK, MOST_CYCLES, Setup};
 pub use show::bands_of;
 use show::{Known, Summary};
 use statistics::{BestArgs, Nearest, Sample, outcomes};
-use variation::{Plan, Requested};
+use variation::{Plan, Requested, Variation};
 
 /// Points that the optimizer tries by default for each range: some CMA-ES needs to gather within the last hundredth of it.
 const POINTS: usize = 150;
+
+/// On what such a study takes its time.
+const NOTE_ON_THICKNESS: &str = "the thickness of teeth is varied: every sample has an elastic model of its own, which takes most of the time";
 
 /// Solve the mesh cycle of a pair on a grid of modifications or where an optimizer looks for the best one, and of samples within
 /// tolerances.
@@ -134,6 +138,11 @@ impl Study {
             outcomes,
             seed: self.seed,
             positions: self.positions,
+            own: ModelSettings {
+                cache: None,
+                ..self.model.settings()
+            },
+            has_roots: self.model.root_stress,
         };
         setup.check(&drawn, samples, points)?;
         let range = |field: &str, unit: f64| {
@@ -160,10 +169,13 @@ impl Study {
             true => setup.read(&table)?,
             false => Vec::new(),
         };
+        let varies_thickness = setup.plan.all().any(Variation::is_thickness);
         let known = Known {
             pair: pair.name.clone(),
             identity,
-            notes: pair::note_on_teeth(&pair.teeth).into_iter().collect(),
+            notes: (pair::note_on_teeth(&pair.teeth).into_iter())
+                .chain(varies_thickness.then_some(NOTE_ON_THICKNESS))
+                .collect(),
         };
         Summary::new(&setup, &known, Vec::new(), samples).write(&summary)?;
 

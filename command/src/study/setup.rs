@@ -6,8 +6,9 @@ use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::words::{number, rounded, shown};
-use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
+use gearmesh_preprocessor::contact::{CycleInput, ElasticModels, LoadCase, ModelSettings};
 use gearmesh_preprocessor::pair::PairDraft;
+use gearmesh_preprocessor::shaft::held_by_its_shafts;
 use gearmesh_preprocessor::storage::csv_reader;
 
 use super::statistics::{
@@ -17,7 +18,7 @@ use super::variation::{Plan, Variation};
 use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{Compliance, Fillets, Model};
 use crate::{limits, output};
 
 pub const FLANK: Flank = Flank::Drive;
@@ -37,6 +38,10 @@ pub struct Setup {
     pub requirements: Vec<Requirement>,
     pub seed: u64,
     pub positions: usize,
+    /// How teeth of another thickness than drawn are modelled: like the others, and not kept.
+    pub own: ModelSettings,
+    /// Whether the stress in their roots is solved.
+    pub has_roots: bool,
 }
 
 /// Whether a load may have `value`; None where `field` is no load.
@@ -96,10 +101,11 @@ impl Setup {
                          have, {LOADS}"
                     );
                 }
-                if found.geometry != pair.geometry {
+                acts |= variation.is_thickness();
+                if found.geometry != pair.geometry && !variation.is_thickness() {
                     refuse!(
                         "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
-                         its own; vary modifications, {LOADS}"
+                         its own; vary modifications, measures of the tooth thickness, backlash, {LOADS}"
                     );
                 }
                 acts |= found.microgeometry.flank(FLANK) != drawn || found.shafts != pair.shafts;
@@ -172,21 +178,30 @@ impl Setup {
             misalignment,
             positions: self.positions,
         };
-        let changed = self.changed(point, values)?.pair()?;
-        let on_shafts = pair.shafts.iter().any(Option::is_some);
+        let mut changed = self.changed(point, values)?.pair()?;
+        if pair.shafts.iter().all(Option::is_none) {
+            changed.shafts = [None, None];
+        }
+        let changed = held_by_its_shafts(&changed);
         let pair = Pair {
             microgeometry: changed.microgeometry,
-            shafts: if on_shafts {
-                changed.shafts
-            } else {
-                [None, None]
-            },
+            shafts: changed.shafts,
+            geometry: changed.geometry,
             ..pair.clone()
         };
-        let solver = ContactSolver::new(&pair, model.compliance.clone(), *model.solver.settings())?;
+        // Teeth of another thickness give way otherwise.
+        let own = match pair.geometry == *model.solver.geometry() {
+            true => None,
+            false => Some(self.own_models(&pair)?),
+        };
+        let (compliance, fillets) = match &own {
+            Some((compliance, fillets)) => (compliance, fillets),
+            None => (&model.compliance, &model.fillets),
+        };
+        let solver = ContactSolver::new(&pair, compliance.clone(), *model.solver.settings())?;
         let cases = Case::solve_all(
             (&solver, &pair.shafts),
-            model.fillets.as_ref(),
+            fillets.as_ref(),
             &input,
             &loads,
             &|_| (),
@@ -196,6 +211,19 @@ impl Setup {
             values.map(|v| v.map_or(f64::NAN, rounded)).collect()
         };
         Ok(cases.iter().map(values).collect())
+    }
+
+    /// Elastic models for one sample, whose teeth are those of `pair`.
+    fn own_models(&self, pair: &Pair) -> Result<(Compliance, Option<Fillets>)> {
+        let models = ElasticModels::new(pair, &self.own, &|_, _| ())?;
+        let roots = self
+            .has_roots
+            .then(|| self.own.root_models(pair, FLANK, &|_, _| ()));
+        let fillets = roots.transpose()?.map(|roots| Fillets {
+            maps: roots.maps,
+            effort: String::new(),
+        });
+        Ok((models.compliance, fillets))
     }
 
     /// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the

@@ -28,19 +28,28 @@ pub struct Variation {
     pub optimized: bool,
 }
 
-/// `FIELD=LOW..HIGH`, `FIELD=+-TOLERANCE`, `FIELD,FIELD=LOW..HIGH/POINTS` or `FIELD,FIELD=LOW..HIGH/optimize` of the command line.
+/// `FIELD`, `FIELD=LOW..HIGH`, `FIELD=+-TOLERANCE`, `FIELD,FIELD=LOW..HIGH/POINTS` or `FIELD,FIELD=LOW..HIGH/optimize` of the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested {
     variation: Variation,
-    /// Whether the ends are those about the value in the pair file.
-    is_tolerance: bool,
+    ends: Ends,
+}
+
+/// What the ends of a variation are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ends {
+    Values,
+    /// Counted from the value in the pair file.
+    Tolerance,
+    /// The limits that the pair file has.
+    OfFile,
 }
 
 impl Requested {
     pub fn parse(text: &str) -> Result<Requested, String> {
         Requested::of(text).ok_or_else(|| {
             format!(
-                "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE, FIELD=LOW..HIGH/POINTS with 2 to 1000 points or \
+                "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE, FIELD alone for the limits of the file, FIELD=LOW..HIGH/POINTS with 2 to 1000 points or \
                  FIELD=LOW..HIGH/optimize, such as gear1.lead_slope_um=+-8, misalignment_mrad=-0.5..0.5, \
                  gear1.lead_crowning_um=0..10/11 or gear1.tip_relief.amount_um=0..40/optimize"
             )
@@ -49,7 +58,13 @@ impl Requested {
 
     fn of(text: &str) -> Option<Requested> {
         let number = |text: &str| limits::finite(text).ok();
-        let (fields, range) = text.split_once('=')?;
+        let Some((fields, range)) = text.split_once('=') else {
+            let is_field = !text.is_empty() && !text.contains([',', ' ']);
+            return is_field.then(|| Requested {
+                variation: Variation::new(text.into(), [f64::NAN; 2], None),
+                ends: Ends::OfFile,
+            });
+        };
         let field = fields.replace(' ', "");
         let (mut points, mut optimized) = (None, false);
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
@@ -77,10 +92,19 @@ impl Requested {
                 optimized,
                 ..Variation::new(field, [low, high], points)
             },
-            is_tolerance: tolerance.is_some(),
+            ends: tolerance.map_or(Ends::Values, |_| Ends::Tolerance),
         })
     }
 }
+
+/// Fields that say how thick teeth are, or what backlash they leave.
+const THICKNESSES: [&str; 5] = [
+    "normal_tooth_thickness_mm",
+    "span_measurement_mm",
+    "dimension_over_balls_mm",
+    "backlash_um",
+    "normal_backlash_um",
+];
 
 impl Variation {
     fn new(field: String, [low, high]: [f64; 2], points: Option<usize>) -> Variation {
@@ -91,6 +115,14 @@ impl Variation {
             points,
             optimized: false,
         }
+    }
+
+    /// Whether it changes the thickness of teeth, so that every value has its own elastic model.
+    pub fn is_thickness(&self) -> bool {
+        self.fields().all(|field| {
+            let name = field.rsplit('.').next().unwrap_or(field);
+            THICKNESSES.contains(&name)
+        })
     }
 
     fn is_drawn(&self) -> bool {
@@ -156,8 +188,22 @@ impl Plan {
             _ => draft.number(field).unwrap_or(0.0),
         };
         for r in requested {
-            let about = as_drawn(&r.variation.field) * f64::from(u8::from(r.is_tolerance));
-            plan.add(r.variation.clone(), about)?;
+            let (mut variation, mut about) = (r.variation.clone(), 0.0);
+            let field = &r.variation.field;
+            match r.ends {
+                Ends::Values => {}
+                Ends::Tolerance => about = as_drawn(field),
+                Ends::OfFile => {
+                    let Some(limits) = draft.limits(field) else {
+                        refuse!(
+                            "--vary {field}: the pair file has no limits of it; give them there as [lower, upper], or here as \
+                             {field}=LOW..HIGH"
+                        );
+                    };
+                    [variation.low, variation.high] = limits;
+                }
+            }
+            plan.add(variation, about)?;
         }
         if plan.is_optimized()
             && let Some(axis) = plan.axes.iter().find(|axis| !axis.optimized)
@@ -324,7 +370,7 @@ mod tests {
             let found = Requested::of(text).unwrap();
             let Variation { low, high, .. } = found.variation;
             assert_eq!(([low, high], found.variation.points), (ends, points));
-            assert_eq!(found.is_tolerance, is_tolerance);
+            assert_eq!(found.ends == Ends::Tolerance, is_tolerance);
             assert!(!found.variation.optimized);
         }
         for (field, label) in [
@@ -337,7 +383,8 @@ mod tests {
         }
         let optimized = Requested::of("a,b=0..9/optimize").unwrap().variation;
         assert!(optimized.optimized && optimized.points.is_none() && !optimized.is_drawn());
-        let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3|a=0..1/optimise|a=2..2/optimize|a=+-2/optimize";
+        assert_eq!(Requested::of("gear1.a_mm").unwrap().ends, Ends::OfFile);
+        let wrong = "|a,b|a b|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3|a=0..1/optimise|a=2..2/optimize|a=+-2/optimize";
         for wrong in wrong.split('|') {
             assert!(Requested::of(wrong).is_none(), "{wrong}");
         }

@@ -94,6 +94,84 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
 }
 
 #[test]
+fn tooth_thickness_is_varied_within_its_tolerance_whatever_measure_of_it_the_drawing_has() {
+    let folder = Folder::new();
+    let drawing = r#"{"name": "drawing", "meshing": "internal", "normal_module_mm": 2.5, "normal_pressure_angle_deg": 20,
+        "center_distance_mm": -71.3542, THICKNESS
+        "gear1": {"teeth": 27, "face_width_mm": 10, "profile_shift": 0.1, "tip_diameter_mm": 73, MEASURE},
+        "gear2": {"teeth": -84, "face_width_mm": 10, "profile_shift": -0.15, "tip_diameter_mm": -206.25,
+            "root_diameter_mm": -217, "tool_tip_radius_coefficient": 0.25, RING},
+        "operating": {"nominal_torque_nm": 30, "maximum_torque_nm": 60, "center_distance_offset_um": [-10, 10],
+            "misalignment_mrad": [0, 0]}}"#;
+    for (field, limits, other) in [
+        (
+            "gear1.span_measurement_mm",
+            "[26.7, 26.94]",
+            "\"span_teeth\": 4",
+        ),
+        (
+            "gear1.dimension_over_balls_mm",
+            "[74.03, 74.41]",
+            "\"ball_diameter_mm\": 4.5",
+        ),
+        (
+            "gear1.normal_tooth_thickness_mm",
+            "[3.85, 4.1]",
+            "\"bore_diameter_mm\": 30",
+        ),
+        (
+            "gear2.dimension_over_balls_mm",
+            "[-205.4, -204.9]",
+            "\"ball_diameter_mm\": 4.25",
+        ),
+        ("normal_backlash_um", "[40, 250]", ""),
+    ] {
+        let (part, name) = field.rsplit_once('.').unwrap_or(("", field));
+        let given = format!("\"{name}\": {limits}");
+        let gear = format!("{given}, {other}");
+        let plain = "\"poisson_ratio\": 0.3";
+        let text = drawing
+            .replace(
+                "THICKNESS",
+                &if part.is_empty() {
+                    format!("{given},")
+                } else {
+                    String::new()
+                },
+            )
+            .replace("MEASURE", if part == "gear1" { &gear } else { plain })
+            .replace("RING", if part == "gear2" { &gear } else { plain });
+        let pair = folder.write("pair.json", text);
+        let out = folder.path(field);
+        let shown =
+            succeed!("study {pair} --positions 3 --samples 3 --vary {field} -o {out} {QUICK}");
+        contains!(shown, "elastic model of its own");
+        let samples = folder.rows(&format!("{field}/samples.csv"));
+        let ends: Vec<f64> = serde_json::from_str(limits).unwrap();
+        assert!(
+            samples
+                .iter()
+                .all(|s| (ends[0]..=ends[1]).contains(&s[field])),
+            "{field}"
+        );
+        // Thinner teeth give way farther.
+        let mut stes: Vec<[f64; 2]> = (samples.iter())
+            .map(|s| [s[field], s["mean_ste_loa_um"]])
+            .collect();
+        stes.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let (first, last) = (stes[0][1], stes[3][1]);
+        let thicker_is_more = field != "normal_backlash_um";
+        assert!(
+            stes[0][0] < stes[3][0] && first != last,
+            "{field}: {stes:?}"
+        );
+        assert_eq!(last < first, thicker_is_more, "{field}: {stes:?}");
+    }
+    refused!("study {PAPER} --vary gear1.tip_diameter_mm -o {} {QUICK}", folder.path("no"); "has no limits of it", "LOW..HIGH");
+    refused!("study {PAPER} --vary gear1.tip_diameter_mm=90..91 -o {} {QUICK}", folder.path("no"); "elastic model of");
+}
+
+#[test]
 fn the_start_of_a_relief_is_varied_in_any_form_that_the_pair_file_allows() {
     let folder = Folder::new();
     let out = folder.path("study");

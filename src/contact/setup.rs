@@ -26,7 +26,8 @@ pub struct ContactSettings {
     pub own_share: f64,
     /// Whether tip corners outside the path of contact may touch.
     pub tip_corner_contact: bool,
-    /// Whether contact moves along the profile as teeth bend.
+    /// Whether contact moves along the profile as teeth bend. A solver of a pair whose loads change the approach by less than a thousandth
+    /// by that sets it to false.
     #[serde(default)]
     pub bent_teeth: bool,
     /// Largest approach on the line of action for which tip corners are followed, m. None: from

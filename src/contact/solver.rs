@@ -21,6 +21,11 @@ const MARGIN: f64 = 1.25;
 /// Farther edges take up load, so that approaches fall: one more trial as a rule.
 const TRIALS: usize = 8;
 
+/// Part of the approach by which contact on bent teeth changes it at least, if it is to be followed.
+const LEAST_BEND: f64 = 1e-3;
+/// Positions of the mesh at which that is tried.
+const TRIED_FOR_BEND: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+
 /// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
 const RUN_TIME_STATIONS: usize = 22;
 
@@ -82,10 +87,36 @@ impl ContactSolver {
             compliance,
             deflection: Deflection::default(),
         };
-        if settings.reach.is_some() || !settings.tip_corner_contact {
-            return Ok(solver);
+        let solver = match settings.reach.is_some() || !settings.tip_corner_contact {
+            true => solver,
+            false => solver.followed_as_needed(pair),
+        };
+        Ok(solver.bent_as_needed(pair))
+    }
+
+    /// With contact that stays where undeformed flanks come closest if that changes the approach under the largest load of `pair` by less than
+    /// [`LEAST_BEND`] at the positions tried, as with steel gears: it then costs nothing.
+    fn bent_as_needed(mut self, pair: &Pair) -> ContactSolver {
+        if self.setup.settings.bent_teeth {
+            // What cannot be solved here is refused when it comes up.
+            self.setup.settings.bent_teeth = self.bends(pair).unwrap_or(true);
         }
-        Ok(solver.followed_as_needed(pair))
+        self
+    }
+
+    fn bends(&self, pair: &Pair) -> Result<bool, ContactError> {
+        let torque = Prescribed::Torque(pair.operating.maximum_torque);
+        for flank in loaded_flanks(pair) {
+            for position in TRIED_FOR_BEND {
+                let problem = self.position(flank, position, 0.0)?;
+                let free = problem.solve_beyond(torque, 0.0, None)?;
+                let held = problem.approach_of_held_contact(0.0, &free)?;
+                if (free.approach / held - 1.0).abs() > LEAST_BEND {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
     }
 
     /// The same pair with tip edges followed up to the approach `reach`, m.
@@ -115,9 +146,8 @@ impl ContactSolver {
     /// Largest approach, m, beyond the present reach at the positions tried; zero where there is none.
     fn needed_reach(&self, pair: &Pair) -> Result<f64, ContactError> {
         let torque = Prescribed::Torque(pair.operating.maximum_torque);
-        let flanks = 2 - usize::from(pair.coast_mirrors_drive());
         let mut largest = 0.0f64;
-        for flank in [Flank::Drive, Flank::Coast].into_iter().take(flanks) {
+        for flank in loaded_flanks(pair) {
             for position in TRIED {
                 let problem = self.position(flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
@@ -415,6 +445,12 @@ impl ContactSolver {
         let influence = Influence::new(lines, models, segments, seen);
         influence.map_err(|model| beyond(lines, model))
     }
+}
+
+/// The flanks that differ.
+fn loaded_flanks(pair: &Pair) -> impl Iterator<Item = Flank> {
+    let flanks = 2 - usize::from(pair.coast_mirrors_drive());
+    [Flank::Drive, Flank::Coast].into_iter().take(flanks)
 }
 
 fn beyond(lines: &ContactLines<'_>, model: BeyondModel) -> ContactError {

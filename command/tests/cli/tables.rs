@@ -6,7 +6,10 @@ use serde_json::json;
 #[test]
 fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner() {
     let folder = Folder::new();
-    let pair = folder.pair(|pair| pair["operating"]["maximum_torque_nm"] = 15.5e3.into());
+    let pair = folder.pair(|pair| {
+        pair["operating"]["maximum_torque_nm"] = 15.5e3.into();
+        pair["operating"]["misalignment_mrad"] = vec![-6.0, 6.0].into();
+    });
     let [tables, cache] = folder.paths(["tables.json", "cache"]);
     refused!("tables {pair} -o {tables} --refinement fine --cache-dir {cache} -q"; "operating range", "torque = 15500 N m, misalignment = ");
     // The fine model was not begun: only the coarse one, which both gears share, is there.

@@ -93,6 +93,8 @@ class MeshCycle:
         Load along the face, mean over the cycle, and K_Hbeta.
     loss_factor, loss_factor_ohlendorf
         Share of the transmitted power that is lost at a coefficient of friction of 1, and that of Ohlendorf's formula.
+    bent_teeth_mean_ste_percent, bent_teeth_peak_to_peak_ste_percent
+        Change of the transmission error by contact that moves as teeth bend.
     transverse_contact_ratio, overlap_ratio, solve_seconds
         Scalars.
     notes
@@ -136,6 +138,8 @@ class MeshCycle:
     face_load_factor: float
     loss_factor: float
     loss_factor_ohlendorf: float
+    bent_teeth_mean_ste_percent: float
+    bent_teeth_peak_to_peak_ste_percent: float
     transverse_contact_ratio: float
     overlap_ratio: float
     solve_seconds: float

@@ -56,7 +56,7 @@ def test_a_restored_state_repeats_what_followed_it(mesh, coupling):
     state = instance.store()
     given = instance.vector("gear2.force")
     held = mesh().initialize({"gear1.angles[3]": 0.01, "coupling": 1})
-    if coupling != 4:  # which takes so fast a ripple for one that follows the loads
+    if coupling in (1, 3):  # automatic takes so fast a ripple for one that follows the loads, sequential holds the loads under it
         assert (run(held, 10)[-1][:3] == given) == (coupling == 1)
     after = run(instance, 20, first=10)
     assert instance.restore(state) == OK

@@ -58,15 +58,15 @@ pub struct Influence {
 pub struct Motion {
     /// B: by how much flank i is tilted per force on segment j, 1/N, positive where it opens towards the tip of gear 1.
     pub tilt: DMatrix<f64>,
-    /// C: half the second derivative, 1/(N m), of what segment i gives way where it and its contact line, evenly loaded, move alike. Loads and places are smooth along
-    /// a line, so that one number a segment is enough. Not negative: what lets contact move on by itself lies beyond the step.
+    /// C: half the second derivative, 1/(N m), of what segment i gives way where it and its contact line, evenly loaded, move alike. Loads and
+    /// places are smooth along a line, so that one number a segment is enough. Not negative: what lets contact move on by itself lies beyond the step.
     pub bend: DVector<f64>,
-    /// Distance between the places that it was taken at, m.
+    /// Distance to the places beside, at which it was taken, m.
     pub step: f64,
 }
 
-/// Distance between the places at which the motion is taken, over the normal module. Measured: between .05 and .2 the approach of soft
-/// teeth changes by less than .2 %.
+/// Distance to the places at which the motion is taken, over the normal module: about an element, so that what its size leaves of a moving load
+/// cancels, and small beside the height of a tooth.
 const STEP_OVER_MODULE: f64 = 0.1;
 
 /// A segment on its contact line.

@@ -15,6 +15,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::candidates::Candidate;
 use super::gap::GapProfile;
 use super::influence::Motion;
 use super::local_law::POINTS;
@@ -23,10 +24,7 @@ use super::local_law::POINTS;
 #[derive(Clone, Copy)]
 pub struct Movable<'a> {
     pub motion: &'a Motion,
-    /// Gap about the closest point of each segment.
-    pub profiles: &'a [GapProfile],
-    /// How far contact moves in one step of a solve at most, m.
-    pub longest: f64,
+    pub segments: &'a [Candidate],
 }
 
 /// Places of the segments, and the gaps there.
@@ -54,7 +52,7 @@ impl Placed {
             tilts,
         };
         let opened = gap.iter().enumerate().map(|(i, gap)| {
-            let by = placed.opened(i, &movable.profiles[i]);
+            let by = placed.opened(i, &movable.segments[i].profile);
             gap.map(|gap| gap + by)
         });
         placed.gap = opened.collect();
@@ -79,10 +77,10 @@ impl Placed {
         let moments = self.places.component_mul(&pressing);
         let tilts =
             -(&movable.motion.tilt * &pressing + movable.motion.bend.component_mul(&moments));
-        let towards = |i: usize| movable.profiles[i].least_under(tilts[i]) - self.places[i];
+        let towards = |i: usize| movable.segments[i].profile.least_under(tilts[i]) - self.places[i];
         let moves = DVector::from_fn(tilts.len(), |i, _| towards(i));
         // Forces far from equilibrium say little about the places.
-        let share = share * (movable.longest / moves.amax()).min(1.0);
+        let share = share * (movable.motion.step / moves.amax()).min(1.0);
         let places = &self.places + moves * share;
         Placed::new(movable, gap, places, tilts)
     }
@@ -164,7 +162,7 @@ impl Response {
         let mobility = DVector::from_fn(active.len(), |number, _| {
             let i = active[number];
             tilt[(number, number)] += bend[i] * placed.places[i];
-            let moves = forces[i] * movable.profiles[i].radius_at(placed.places[i]);
+            let moves = forces[i] * movable.segments[i].profile.radius_at(placed.places[i]);
             moves / (1.0 + moves * bend[i])
         });
         Response { tilt, mobility }

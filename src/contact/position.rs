@@ -21,8 +21,6 @@ pub struct PositionProblem {
     /// As gear 1 and gear 2 see them; not known at run time, nor are the laws along them.
     pub seen: Vec<[Segment; 2]>,
     influence: Influence,
-    /// The gap about the closest point of each segment.
-    profiles: Vec<GapProfile>,
     /// Law of one point of each segment.
     pub(super) local: Vec<LocalContact>,
     /// Laws along each segment of a helical pair.
@@ -178,7 +176,6 @@ impl PositionProblem {
         let mut problem = PositionProblem {
             local: vec![],
             arm: DVector::from_fn(candidates.len(), arm),
-            profiles: candidates.iter().map(|c| c.profile).collect(),
             candidates,
             seen: vec![],
             influence,
@@ -384,8 +381,7 @@ impl PositionProblem {
             shortest: self.shortest,
             movable: (self.influence.motion.as_ref()).map(|motion| Movable {
                 motion,
-                profiles: &self.profiles,
-                longest: motion.step,
+                segments: &self.candidates,
             }),
         }
     }
@@ -430,7 +426,6 @@ impl PositionProblem {
                 lengths: self.influence.lengths.clone(),
                 motion: None,
             },
-            profiles: vec![],
             local: self.local.clone(),
             along: vec![],
             arm: self.arm.clone(),

@@ -82,7 +82,7 @@ pub fn outputs(instance: &mut Instance) {
         return;
     }
     for variable in &VARIABLES[INPUTS..FIRST_PARAMETER] {
-        let finite = |value: f64| assert!(value.is_finite(), "{} = {value}", variable.name);
+        let finite = |x: &[f64]| assert!(x[0].is_finite(), "{} = {}", variable.name, x[0]);
         if let Err(refusal) = instance.get(Kind::Real, &[variable.value_reference], finite) {
             assert!(!refusal.message.is_empty());
         }

@@ -20,6 +20,7 @@
 
 use std::any::Any;
 use std::ffi::{CString, c_char};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
@@ -219,16 +220,13 @@ unsafe fn array<'a, T>(data: *const T, count: usize, what: &str) -> Result<&'a [
     Ok(std::slice::from_raw_parts(data, count))
 }
 
-/// Writes into the host's array of `count` items at `data`, which may be uninitialised: from the first on at each call.
-unsafe fn writer<T>(mut data: *mut T, count: usize) -> Result<impl FnMut(T), Refusal> {
+/// The host's array for `count` results at `data`, which may be uninitialised.
+unsafe fn results<'a, T>(data: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
     check_array(data, count, "the array for results")?;
-    let end = data.wrapping_add(count);
-    Ok(move |value| {
-        if data < end {
-            data.write(value);
-            data = data.wrapping_add(1);
-        }
-    })
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    Ok(std::slice::from_raw_parts_mut(data.cast(), count))
 }
 
 unsafe fn put_all<T>(
@@ -236,7 +234,9 @@ unsafe fn put_all<T>(
     count: usize,
     values: impl IntoIterator<Item = T>,
 ) -> Result<(), Refusal> {
-    values.into_iter().for_each(writer(data, count)?);
+    for (result, value) in results(data, count)?.iter_mut().zip(values) {
+        result.write(value);
+    }
     Ok(())
 }
 
@@ -269,9 +269,15 @@ impl Component {
         value: *mut T,
         convert: impl Fn(f64) -> T,
     ) -> Result<(), Refusal> {
-        let mut put = writer(value, nvr)?;
+        let mut left = results(value, nvr)?;
         let references = array(vr, nvr, "vr")?;
-        self.instance.get(kind, references, |x| put(convert(x)))
+        self.instance.get(kind, references, |values| {
+            let (now, rest) = std::mem::take(&mut left).split_at_mut(values.len());
+            for (result, x) in now.iter_mut().zip(values) {
+                result.write(convert(*x));
+            }
+            left = rest;
+        })
     }
 
     unsafe fn set<T: Copy + Into<f64>>(

@@ -173,17 +173,18 @@ impl InputValues {
         ]
     }
 
-    /// Motion of a body as the element takes it.
+    /// Writes the motion of a body as the element takes it.
     /// Errors: a quaternion in use whose length is not 1 within `QUATERNION_TOLERANCE`; angles and positions
     /// beyond `resolution`.
     #[inline]
-    pub fn motion(
+    pub fn write_motion(
         &self,
         body: usize,
         orientation: Orientation,
         resolution: Resolution,
-    ) -> Result<Motion, Refusal> {
-        let r = match orientation {
+        motion: &mut Motion,
+    ) -> Result<(), Refusal> {
+        motion.r = match orientation {
             Orientation::Angles => {
                 let limit = resolution.angle;
                 cardan(&self.resolved(body, ANGLES, limit, "rad", "take off whole turns")?)
@@ -205,15 +206,14 @@ impl InputValues {
             }
         };
         let (limit, remedy) = (resolution.position, "put the origin of the world nearer");
-        Ok(Motion {
-            p: self.resolved(body, POSITION, limit, "m", remedy)?,
-            r,
-            v: self.vector(body, VELOCITY),
-            w: self.vector(body, ANGULAR_VELOCITY),
-        })
+        motion.p = self.resolved(body, POSITION, limit, "m", remedy)?;
+        motion.v = self.vector(body, VELOCITY);
+        motion.w = self.vector(body, ANGULAR_VELOCITY);
+        Ok(())
     }
 
     /// Three inputs of a body, refused where their rounding alone would matter.
+    #[inline(always)]
     fn resolved(
         &self,
         body: usize,
@@ -321,7 +321,11 @@ mod tests {
     }
 
     fn pose(inputs: &InputValues, orientation: Orientation) -> Motion {
-        inputs.motion(0, orientation, FINE).unwrap()
+        let mut motion = Motion::default();
+        inputs
+            .write_motion(0, orientation, FINE, &mut motion)
+            .unwrap();
+        motion
     }
 
     #[test]
@@ -345,7 +349,9 @@ mod tests {
         let refusal = |i: usize, value: f64, orientation| {
             let mut inputs = values();
             inputs.set(i, value);
-            let refused = inputs.motion(0, orientation, resolution).err();
+            let refused = inputs
+                .write_motion(0, orientation, resolution, &mut Motion::default())
+                .err();
             refused.map_or(String::new(), |refusal| refusal.message)
         };
         use Orientation::{Angles, Quaternion};

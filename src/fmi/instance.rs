@@ -13,8 +13,8 @@ use super::parameters::Settings;
 use super::resources::Resources;
 use super::state::{InstanceState, StepLoads, new_handle, unknown};
 use super::variables::{
-    Causality, FIRST_PARAMETER, INPUTS, Kind, OUTPUTS, VARIABLES, Variability, Variable, block_of,
-    check_finite, check_value, find, index, index_of, output_row,
+    Causality, FIRST_PARAMETER, INPUTS, Kind, OUTPUTS, VARIABLES, Variability, Variable,
+    all_finite, block_of, check_finite, check_value, find, index, index_of, output_row,
 };
 use super::{Refusal, Severity};
 use crate::element::{
@@ -37,7 +37,7 @@ pub struct Instance {
     resolution: [Resolution; BODIES.len()],
     buffers: Buffers,
     /// At the present state, if they were evaluated.
-    outputs: Option<Evaluated>,
+    outputs: Option<Rows>,
     /// `None`: the slopes are not those of the present state; whether they have the row of the stiffness.
     slopes_with_stiffness: Option<bool>,
     /// How often the gears left the range, for the log.
@@ -56,10 +56,12 @@ struct Buffers {
     slopes: Box<Jacobian>,
 }
 
-struct Evaluated {
-    all: Outputs,
-    /// The FMU's, in the order of their variables.
-    rows: [f64; OUTPUTS],
+/// Outputs in the order of their variables.
+type Rows = [f64; OUTPUTS];
+
+/// Row of an output, by the index of its variable.
+const fn row(index: usize) -> usize {
+    index - INPUTS
 }
 
 /// Warnings that the gears have left the range, of one instance.
@@ -155,7 +157,7 @@ impl Instance {
         let phase = element.start(&buffers.motions)?;
         self.state.phase_offset = Some(phase);
         self.changed();
-        let outputs = self.outputs().map(|outputs| outputs.all);
+        let outputs = self.outputs().copied();
         let outputs = outputs.inspect_err(|_| self.state.phase_offset = None)?;
         self.watch_range();
         self.state.state = match self.state.interface {
@@ -164,7 +166,9 @@ impl Instance {
         };
         let text = format!(
             "initialized: pair {}, centre distance {} m, mesh position {}",
-            self.resources.unit.name, outputs.center_distance, outputs.mesh_position
+            self.resources.unit.name,
+            outputs[row(index::MESH_CENTER_DISTANCE)],
+            outputs[row(index::MESH_POSITION)]
         );
         self.report(Severity::Event, &text);
         Ok(())
@@ -272,7 +276,7 @@ impl Instance {
         let block = block_of(references).filter(|block| kind == Kind::Real && block.end <= INPUTS);
         let numbers = values.iter().map(|&value| value.into());
         if let Some(block) = block
-            && numbers.clone().all(f64::is_finite)
+            && all_finite(numbers.clone())
         {
             self.state.inputs.set_from(block.start, numbers);
             self.moved();
@@ -344,27 +348,26 @@ impl Instance {
         Err(Refusal::error(format!("{} {reason}", variable.name)))
     }
 
-    /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
+    /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with the values, some at a time.
     /// Errors: unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get(
         &mut self,
         kind: Kind,
         references: &[u32],
-        mut put: impl FnMut(f64),
+        mut put: impl FnMut(&[f64]),
     ) -> Result<(), Refusal> {
         let block =
             block_of(references).filter(|block| kind == Kind::Real && block.start >= INPUTS);
         if let Some(block) = block {
-            let rows = &self.outputs()?.rows[block.start - INPUTS..block.end - INPUTS];
-            rows.iter().copied().for_each(put);
+            put(&self.outputs()?[row(block.start)..row(block.end)]);
         } else {
             for &reference in references {
                 let i = find(kind, reference)?;
-                put(match output_row(i) {
-                    Some(row) => self.outputs()?.rows[row],
+                put(&[match output_row(i) {
+                    Some(row) => self.outputs()?[row],
                     None if i < INPUTS => self.state.inputs.get(i),
                     None => self.state.parameters[i - FIRST_PARAMETER],
-                });
+                }]);
             }
         }
         // In Initialization Mode poses may be on their way to the start.
@@ -375,14 +378,16 @@ impl Instance {
     }
 
     /// The element, made if there is none, and its buffers with the motions that it looks at, from the present inputs.
+    #[inline(always)]
     fn ready(&mut self) -> Result<(&Element, &mut Buffers), Refusal> {
         let (inputs, orientation) = (&self.state.inputs, self.settings.orientation);
         let motions = &mut self.buffers.motions;
         for body in 0..2 {
-            motions.gears[body] = inputs.motion(body, orientation, self.resolution[body])?;
+            let motion = &mut motions.gears[body];
+            inputs.write_motion(body, orientation, self.resolution[body], motion)?;
         }
         if self.settings.element.formulation == Formulation::Paper {
-            motions.carrier = inputs.motion(2, orientation, self.resolution[2])?;
+            inputs.write_motion(2, orientation, self.resolution[2], &mut motions.carrier)?;
             // The position and velocity of its origin cancel out; gear 1's are those that cost no rounding.
             let gear = &motions.gears[0];
             (motions.carrier.p, motions.carrier.v) = (gear.p, gear.v);
@@ -395,6 +400,7 @@ impl Instance {
     }
 
     /// As [`Instance::ready`], with the phases of the teeth; before phases are taken, those of the present pose.
+    #[inline(always)]
     fn in_phase(&mut self) -> Result<(&Element, &mut Buffers, PhaseOffset), Refusal> {
         let phase = self.state.phase_offset;
         let (element, buffers) = self.ready()?;
@@ -403,16 +409,18 @@ impl Instance {
     }
 
     /// Outputs at the present state.
-    fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
+    #[inline(always)]
+    fn outputs(&mut self) -> Result<&Rows, Refusal> {
         if self.outputs.is_none() {
-            let all = self.law()?;
+            let pose = self.law()?;
             let (loads, history) = (self.state.loads.as_ref(), self.state.history.as_ref());
-            self.outputs = Some(self.evaluated(all, loads, history)?);
+            self.outputs = Some(self.rows(&pose, loads, history)?);
         }
         Ok(self.outputs.as_ref().expect("made above"))
     }
 
     /// Those of the pose.
+    #[inline(always)]
     fn law(&mut self) -> Result<Outputs, Refusal> {
         let (element, buffers, phase) = self.in_phase()?;
         let (motions, workspace) = (&buffers.motions, &mut buffers.workspace);
@@ -420,17 +428,18 @@ impl Instance {
     }
 
     /// Those of the pose, with what the last step gave. After fmi2SetReal its loads change as those of the pose, until the teeth part.
-    fn evaluated(
+    #[inline(always)]
+    fn rows(
         &self,
-        all: Outputs,
+        pose: &Outputs,
         loads: Option<&StepLoads>,
         history: Option<&History>,
-    ) -> Result<Evaluated, Refusal> {
+    ) -> Result<Rows, Refusal> {
         let mut rows = [0.0; OUTPUTS];
-        rows[..CONTINUOUS_OUTPUTS].copy_from_slice(&all.to_array());
+        rows[..CONTINUOUS_OUTPUTS].copy_from_slice(&pose.to_array());
         match loads {
             Some(step) if !step.moved => step.given.write(&mut rows),
-            Some(step) if all.flank != 0 => step.beyond.add_to(&mut rows),
+            Some(step) if pose.flank != 0 => step.beyond.add_to(&mut rows),
             _ => {}
         }
         if self.settings.coupling != Coupling::Held {
@@ -448,9 +457,12 @@ impl Instance {
                 report.error,
             ]);
         }
-        match rows.iter().position(|x| !x.is_finite()) {
-            Some(row) => Err(self.not_finite("", row)),
-            None => Ok(Evaluated { all, rows }),
+        match all_finite(rows.iter().copied()) {
+            true => Ok(rows),
+            false => {
+                let row = rows.iter().position(|x| !x.is_finite());
+                Err(self.not_finite("", row.unwrap_or(0)))
+            }
         }
     }
 
@@ -520,7 +532,7 @@ impl Instance {
     fn by_parameter(&mut self, i: usize) -> Result<[f64; OUTPUTS], Refusal> {
         /// Of the larger one of value and nominal value.
         const STEP: f64 = 1e-5;
-        const POSITION: usize = index::MESH_POSITION - INPUTS;
+        const POSITION: usize = row(index::MESH_POSITION);
         // While this instance has its element, the others share the interpolants of its tables.
         self.ready()?;
         let value = self.state.parameters[i - FIRST_PARAMETER];
@@ -530,7 +542,7 @@ impl Instance {
             let mut state = self.state.clone();
             state.parameters[i - FIRST_PARAMETER] = x;
             other.go_to(state)?;
-            Ok((x, other.outputs()?.rows))
+            Ok((x, *other.outputs()?))
         };
         let (high, above) = with(value + step).or_else(|_| with(value))?;
         let (low, below) = with(value - step).or_else(|_| with(value))?;
@@ -544,7 +556,7 @@ impl Instance {
 
     /// Derivatives of the outputs `rows` along `direction`. Before phases are taken those follow the pose.
     fn along(&mut self, rows: &[usize], direction: &Direction) -> Result<Vec<f64>, Refusal> {
-        const STIFFNESS: usize = index::MESH_STIFFNESS - INPUTS;
+        const STIFFNESS: usize = row(index::MESH_STIFFNESS);
         let with_stiffness = rows.contains(&STIFFNESS);
         if self.slopes_with_stiffness < Some(with_stiffness) {
             self.slopes_with_stiffness = None;
@@ -685,7 +697,7 @@ impl Instance {
             beyond: found.loads.without(&Loads::at(&all)),
             moved: false,
         });
-        let outputs = self.evaluated(all, loads.as_ref(), history.as_ref())?;
+        let outputs = self.rows(&all, loads.as_ref(), history.as_ref())?;
         self.changed();
         self.outputs = Some(outputs);
         let before = std::mem::replace(&mut self.state.history, history);
@@ -748,24 +760,26 @@ impl Instance {
         self.report(severity, &text);
     }
 
+    /// Why the pose is outside the range, in words; empty where the load is.
+    fn out_of_range(&mut self) -> Result<String, Refusal> {
+        let outputs = self.law()?;
+        let (element, buffers) = self.ready()?;
+        Ok(element.out_of_range(&buffers.motions, &outputs)?)
+    }
+
     /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
     fn watch_range(&mut self) {
         let Some(outputs) = &self.outputs else {
             return;
         };
-        let out_of_range = outputs.all.out_of_range;
+        let out_of_range = outputs[row(index::MESH_OUT_OF_RANGE)] != 0.0;
         if std::mem::replace(&mut self.state.out_of_range, out_of_range) == out_of_range {
             return;
         }
-        let present = outputs.all;
         if !out_of_range {
             return self.report(Severity::Event, "in range again");
         }
-        let reasons = match self.ready() {
-            Ok((element, buffers)) => element.out_of_range(&buffers.motions, &present),
-            Err(_) => Ok(String::new()),
-        };
-        let reasons = reasons.unwrap_or_default();
+        let reasons = self.out_of_range().unwrap_or_default();
         // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
         if reasons.is_empty() {
             return self.report(Severity::Event, "the load left the range of the table");

@@ -80,7 +80,7 @@ pub(in crate::fmi) fn set(instance: &mut Instance, i: usize, value: f64) {
 
 pub(in crate::fmi) fn get(instance: &mut Instance, i: usize) -> f64 {
     let mut value = f64::NAN;
-    let read = instance.get(Kind::Real, &[reference(i)], |x| value = x);
+    let read = instance.get(Kind::Real, &[reference(i)], |x| value = x[0]);
     read.unwrap();
     value
 }

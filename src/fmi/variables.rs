@@ -112,9 +112,10 @@ pub fn index_of(value_reference: u32) -> Option<usize> {
 #[inline]
 pub fn block_of(references: &[u32]) -> Option<Range<usize>> {
     let (&first, &last) = (references.first()?, references.last()?);
-    let consecutive = (first..)
-        .zip(references)
-        .all(|(next, reference)| next == *reference);
+    // Without a branch for each, so that the compiler compares several at once.
+    let consecutive = (0..).zip(references).fold(true, |so_far, (k, reference)| {
+        so_far & (reference.wrapping_sub(first) == k)
+    });
     let (start, end) = (index_of(first)?, index_of(last)?);
     let same = (start < INPUTS) == (end < INPUTS) && end < FIRST_PARAMETER;
     (consecutive && same).then(|| start..end + 1)
@@ -137,6 +138,12 @@ pub fn find(kind: Kind, reference: u32) -> Result<usize, Refusal> {
         None => format!("value reference {reference} belongs to no variable"),
     };
     Err(Refusal::error(reason))
+}
+
+/// Whether all `numbers` are: without a branch for each, so that the compiler looks at several at once.
+#[inline]
+pub fn all_finite(numbers: impl Iterator<Item = f64>) -> bool {
+    numbers.fold(true, |so_far, x| so_far & x.is_finite())
 }
 
 /// Refuses NaN and infinities.

@@ -83,7 +83,9 @@ impl Driven {
     ) -> Result<[f64; N], Refusal> {
         let mut values = Vec::with_capacity(N);
         let references = outputs.map(|i| VARIABLES[i].value_reference);
-        self.unit.get(Kind::Real, &references, |x| values.push(x))?;
+        self.unit.get(Kind::Real, &references, |x| {
+            values.extend_from_slice(x);
+        })?;
         Ok(std::array::from_fn(|k| values[k]))
     }
 }

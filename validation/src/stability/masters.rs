@@ -301,7 +301,7 @@ impl Mesh {
         self.unit.do_step(self.unit.time(), step)?;
         let mut moment = 0.0;
         let reference = [VARIABLES[index::GEAR1_MOMENT_3].value_reference];
-        self.unit.get(Kind::Real, &reference, |x| moment = x)?;
+        self.unit.get(Kind::Real, &reference, |x| moment = x[0])?;
         Ok(-moment / p.base_radius)
     }
 }

@@ -8,7 +8,9 @@ use std::path::Path;
 
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh_preprocessor::contact::{CycleInput, ElasticModels, MeshCycle, ModelSettings};
+use gearmesh_preprocessor::contact::{
+    CycleInput, ElasticModels, LoadCase, MeshCycle, ModelSettings,
+};
 use gearmesh_preprocessor::package::{self, Contents, Library, Starts};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::Recipe;
@@ -30,15 +32,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let progress = &|stage: &str, share: f64| eprint!("\r{stage}: {:3.0} %  ", 100.0 * share);
     let models = ElasticModels::new(&pair, &ModelSettings::default(), progress)?;
 
-    // 3. One mesh cycle of the drive flank: nominal centre distance, parallel axes.
+    // 3. One mesh cycle of the drive flank: nominal centre distance and torque, parallel axes.
     let input = CycleInput {
         flank: Flank::Drive,
-        torque: pair.operating.nominal_torque, // N m on gear 1
         center_distance_offset: 0.0,
-        misalignment: 0.0,
         positions: 32,
     };
-    let cycle = MeshCycle::solve(&models.solver, &input)?;
+    let load = LoadCase {
+        torque: pair.operating.nominal_torque, // N m on gear 1
+        misalignment: 0.0,
+    };
+    let cycle = MeshCycle::solve(&models.solver, &input, load)?;
     let [mean, range] = [cycle.mean_ste(), cycle.peak_to_peak_ste()].map(|m| 1e6 * m);
     println!("\nstatic transmission error: mean {mean:.2} um, peak to peak {range:.3} um");
     println!("largest pressure {:.0} MPa", 1e-6 * cycle.max_pressure());

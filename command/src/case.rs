@@ -16,6 +16,7 @@ use crate::model::Fillets;
 
 pub struct Case {
     pub input: CycleInput,
+    pub load: LoadCase,
     pub cycle: MeshCycle,
     /// Load along the face, in the stations of the solver; empty of tables, which do not know it.
     pub face_load: FaceLoad,
@@ -37,17 +38,13 @@ impl Case {
     ) -> Result<Vec<Case>, ContactError> {
         let cycles = MeshCycle::solve_all(solver, shafts, input, loads, progress)?;
         let case = |(cycle, load): (MeshCycle, &LoadCase)| {
-            let input = CycleInput {
-                torque: load.torque,
-                misalignment: load.misalignment,
-                ..*input
-            };
-            let roots = fillets.map(|fillets| cycle.root_stress(solver, &input, &fillets.maps));
+            let roots = fillets.map(|fillets| cycle.root_stress(solver, input, &fillets.maps));
             Ok(Case {
                 roots: roots.transpose()?,
                 face_load: cycle.face_load(solver),
                 shafts: ShaftState::mean(&cycle.shafts),
-                input,
+                input: *input,
+                load: *load,
                 cycle,
             })
         };
@@ -76,7 +73,7 @@ impl Case {
     /// What friction takes while gear 1 makes `rpm` turns a minute.
     pub fn loss(&self, pair: &Pair, rpm: f64) -> Loss {
         let sliding = [&self.cycle.sliding[..], &self.cycle.friction];
-        let (torque, spin) = (self.input.torque, rpm * TAU / 60.0);
+        let (torque, spin) = (self.load.torque, rpm * TAU / 60.0);
         Loss::new(&pair.geometry, &pair.friction, sliding, torque, spin)
     }
 
@@ -114,33 +111,29 @@ impl Variant<'_> {
         positions: usize,
     ) -> Result<Vec<Case>, ContactError> {
         let loads = LoadCase::matrix(torques, misalignments);
-        let input = |load: &LoadCase| CycleInput {
+        let input = CycleInput {
             flank: Flank::Drive,
-            torque: load.torque,
             center_distance_offset: 0.0,
-            misalignment: load.misalignment,
             positions,
         };
         match self {
-            Variant::Pair(solver, shafts, fillets) => Case::solve_all(
-                (solver, shafts),
-                *fillets,
-                &input(&loads[0]),
-                &loads,
-                &|_| {},
-            ),
-            Variant::Tables(table) => Ok(loads.iter().map(|l| of_table(table, input(l))).collect()),
+            Variant::Pair(solver, shafts, fillets) => {
+                Case::solve_all((solver, shafts), *fillets, &input, &loads, &|_| {})
+            }
+            Variant::Tables(table) => {
+                Ok(loads.iter().map(|l| of_table(table, input, *l)).collect())
+            }
         }
     }
 }
 
-fn of_table(table: &Table, input: CycleInput) -> Case {
+fn of_table(table: &Table, input: CycleInput, load: LoadCase) -> Case {
     let geometry = &table.file.geometry;
-    let force = input.torque / geometry.gears[0].base_radius();
+    let force = load.torque / geometry.gears[0].base_radius();
     let (flank, _) = table.flank(Flank::Drive);
     let result = |&mesh_position: &f64| {
         let mut pose = Query {
-            misalignment: input.misalignment,
+            misalignment: load.misalignment,
             mesh_position,
             ..Query::default()
         };
@@ -160,6 +153,7 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
     let mesh_position: Vec<f64> = positions.collect();
     Case {
         input,
+        load,
         cycle: MeshCycle {
             results: mesh_position.iter().map(result).collect(),
             mesh_position,
@@ -179,8 +173,8 @@ type Row<'a> = &'a Case;
 
 pub fn load<'r>() -> Vec<Column<'static, Row<'r>>> {
     columns! { |c: &Row|
-        "torque_nm", ["torque", "N m", None] => c.input.torque;
-        "misalignment_mrad", ["misalignment", "mrad", None] => rounded(c.input.misalignment * 1e3);
+        "torque_nm", ["torque", "N m", None] => c.load.torque;
+        "misalignment_mrad", ["misalignment", "mrad", None] => rounded(c.load.misalignment * 1e3);
     }
 }
 

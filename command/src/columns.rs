@@ -171,6 +171,12 @@ impl Listing {
         self.rows.push(row);
     }
 
+    /// As JSON, value by name.
+    pub fn object(&self) -> Map<String, Value> {
+        let row = |(name, value): &(String, String)| (name.clone(), Value::from(value.as_str()));
+        self.rows.iter().map(row).collect()
+    }
+
     pub fn joined(&self, rows: &str, columns: &str) -> String {
         let row = |(name, value): &(String, String)| format!("{name}{columns}{value}");
         self.rows.iter().map(row).collect::<Vec<_>>().join(rows)

@@ -1,20 +1,17 @@
 //! `gearmesh inspect FILE`: what is in a file that gearmesh reads or writes.
 
-use std::hint::black_box;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use clap::Args;
-use gearmesh::element::{Parameters, PhaseReference, Workspace};
 use gearmesh::fmi::resources::{Resources, UnitFile};
-use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::fmi::variables::{Kind, VARIABLES, index, index_by_name};
 use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
 use gearmesh_preprocessor::package::{self, start_in_words};
 use gearmesh_preprocessor::{pair, storage};
-use nalgebra::{Rotation3, Vector3};
 use serde::de::IgnoredAny;
+use serde_json::{Map, Value, json};
 
 use crate::columns::{Listing, rows};
 use crate::error::Result;
@@ -27,7 +24,7 @@ pub struct Inspect {
     /// The file
     file: PathBuf,
 
-    /// JSON of a pair file, with the quantities of a drawing
+    /// JSON: a pair file with the quantities of a drawing; of tables and FMUs what the listing has
     #[arg(long)]
     json: bool,
 }
@@ -41,10 +38,7 @@ impl Inspect {
             false => output::read_text(&self.file)?,
         };
         let is_tables = is_tables(&text);
-        if self.json && (is_archive || is_tables) {
-            refuse!("--json: {name} is no pair file; leave the option out");
-        }
-        let shown = if is_archive {
+        let (text, json) = if is_archive {
             fmu(&self.file)?
         } else if is_tables {
             table_file(&TableFile::from_json(&text).map_err(|e| format!("{name}: {e}"))?)?
@@ -52,12 +46,12 @@ impl Inspect {
             // Files that it names are sought in its folder.
             let read = pair::read_with_gauges(&self.file);
             let (pair, gauges) = read.map_err(|e| format!("{name}: {e}"))?;
-            match self.json {
-                true => format!("{:#}\n", as_json(&pair, gauges)),
-                false => pair_summary(&pair, gauges),
-            }
+            (pair_summary(&pair, gauges), as_json(&pair, gauges))
         };
-        output::print(&shown)
+        match self.json {
+            true => output::print(&format!("{json:#}\n")),
+            false => output::print(&text),
+        }
     }
 }
 
@@ -81,17 +75,21 @@ pub fn is_tables(text: &str) -> bool {
         .is_ok_and(|marks| marks.format.is_some() && marks.axes.is_some())
 }
 
-fn table_file(file: &TableFile) -> Result<String> {
+/// Text and JSON of tables.
+fn table_file(file: &TableFile) -> Result<(String, Value)> {
     // Tables that no FMU could use are no tables.
     Table::from_file(file.clone())?;
     let mut rows = Listing::default();
     for (name, value) in file.summary() {
         rows.row(name, value);
     }
-    Ok(format!("{}: tables\n{rows}", shown(&file.name)))
+    let text = format!("{}: tables\n{rows}", shown(&file.name));
+    let json = json!({ "kind": "tables", "name": file.name, "listing": rows.object() });
+    Ok((text, json))
 }
 
-fn fmu(path: &Path) -> Result<String> {
+/// Text and JSON of an FMU.
+fn fmu(path: &Path) -> Result<(String, Value)> {
     let found = package::inspect(path)?;
     let unit = &found.unit;
     let tables = (found.tables.as_deref().map(TableFile::from_json)).transpose()?;
@@ -109,12 +107,9 @@ fn fmu(path: &Path) -> Result<String> {
         "GUID" => "{}", unit.guid;
         "platforms" => "{}", found.platforms.join(", ");
     }
-    let resources = Resources::new(unit.clone(), tables.clone(), found.contact)
+    // What no host could use is no FMU.
+    Resources::new(unit.clone(), tables.clone(), found.contact)
         .map_err(|error| format!("{}: {error}", path.display()))?;
-    if let Some(time) = evaluation_time(&resources)? {
-        let us = 1e6 * time;
-        rows! { rows; "time of one evaluation" => "{us:.2} us on this machine, under nominal torque and with the start values below"; }
-    }
     let step = found.step_size;
     match package::step_error(unit, tables.as_ref(), step) {
         None => rows.row("communication step", format!("{step:?} s")),
@@ -127,17 +122,43 @@ fn fmu(path: &Path) -> Result<String> {
         rows! { rows; "error of contact at run time" => "{}", run_time_error(contact_error); }
     }
     rows.row("error", error);
+    let listing = rows.object();
+    let mut start = Map::new();
     for (name, value) in &unit.starts {
         rows.row(format!("start: {name}"), start_in_words(name, *value));
+        start.insert(name.clone(), start_value(name, *value));
     }
+    let mut files = Map::new();
     for (name, size) in &found.files {
         rows.row(format!("file: {name}"), count(*size as usize, "byte"));
+        files.insert(name.clone(), json!(size));
     }
+    let tables = tables.as_ref().map(table_file).transpose()?;
+    let (tables_text, tables) = tables.unzip();
     let mut text = format!("{}: FMU\n{rows}", shown(&unit.name));
-    if let Some(tables) = &tables {
-        text += &format!("\n{}", table_file(tables)?);
+    if let Some(tables) = tables_text {
+        text += &format!("\n{tables}");
     }
-    Ok(text)
+    let json = json!({
+        "kind": "fmu",
+        "name": unit.name,
+        "platforms": found.platforms,
+        "step_size_s": step,
+        "listing": listing,
+        "start": start,
+        "files": files,
+        "tables": tables,
+    });
+    Ok((text, json))
+}
+
+/// A start value as FMI has it: a number in SI units, a truth value, or the name of an item.
+fn start_value(name: &str, value: f64) -> Value {
+    match index_by_name(name).map(|i| VARIABLES[i].kind) {
+        Some(Kind::Boolean) => json!(value != 0.0),
+        Some(Kind::Enumeration) => json!(start_in_words(name, value)),
+        _ => json!(value),
+    }
 }
 
 pub fn run_time_error(error: Option<&InterpolationError>) -> String {
@@ -184,61 +205,4 @@ fn level_error(
         _ => "not measured: one stiffness for all loads and mesh positions".to_owned(),
     };
     format!("{level}: {error}")
-}
-
-/// Rounds, of which the fastest counts: others were interrupted.
-const ROUNDS: usize = 11;
-const ROUND: Duration = Duration::from_millis(1);
-/// Positions over one mesh cycle, so that an evaluation meets another cell than the last one.
-const POSITIONS: usize = 64;
-
-/// Time of one evaluation of an FMU with its start values and its nominal torque, s; None if no pose bears that torque.
-fn evaluation_time(resources: &Resources) -> Result<Option<f64>> {
-    // From any pose: where teeth stand counts for no cost.
-    let parameters = Parameters {
-        phase_reference: PhaseReference::FromInitialPose,
-        ..resources.settings.element
-    };
-    let element = resources.element(&parameters).map_err(|e| e.to_string())?;
-    let nominal = element.nominal_inputs();
-    let phase = element.phase_offset(&nominal)?;
-    let turned = |spins: [f64; 2]| {
-        let mut inputs = nominal;
-        for (gear, spin) in inputs.gears.iter_mut().zip(spins) {
-            gear.r = *Rotation3::from_axis_angle(&Vector3::z_axis(), spin).matrix();
-        }
-        inputs
-    };
-    let bears = |spin: &f64| {
-        let outputs = element.evaluate(&phase, &turned([*spin, 0.0]));
-        outputs.is_ok_and(|o| o.moment[0].z.abs() >= parameters.nominal_torque)
-    };
-    // Gear 1 ahead by a micrometre's worth of an angle to a hundredth of a radian, on either flank.
-    let spins = (0..60).map(|i| 1e-6 * 1.17f64.powi(i));
-    let Some(spin) = spins.flat_map(|spin| [spin, -spin]).find(bears) else {
-        return Ok(None);
-    };
-    let geometry = &resources.unit.geometry;
-    let [z1, z2] = [0, 1].map(|i| f64::from(geometry.gears[i].teeth));
-    let pose = |i: usize| {
-        let turn = std::f64::consts::TAU / z1 * i as f64 / POSITIONS as f64;
-        turned([spin + turn, -turn * z1 / (geometry.e() * z2)])
-    };
-    let poses: Vec<_> = (0..POSITIONS).map(pose).collect();
-    let mut next = poses.iter().cycle();
-    let mut workspace = Workspace::default();
-    let mut run = |count: usize| {
-        let begin = Instant::now();
-        for inputs in next.by_ref().take(count) {
-            // Poses around one that was evaluated.
-            let _ = black_box(element.evaluate_from(&phase, black_box(inputs), &mut workspace));
-        }
-        begin.elapsed()
-    };
-    let mut count = 1;
-    while run(count) < ROUND {
-        count *= 2;
-    }
-    let fastest = (0..ROUNDS).map(|_| run(count)).min();
-    Ok(fastest.map(|time| time.as_secs_f64() / count as f64))
 }

@@ -219,8 +219,12 @@ class StudyResult:
 class Inspection:
     """What a file holds.
 
-    `kind` is "pair", "tables" or "fmu". `values` has the fields of a pair file with the quantities of a drawing, or the
-    rows of the listing of tables and FMUs, as text; `text` is what `gearmesh inspect` prints.
+    `kind` is "pair", "tables" or "fmu"; `text` is what `gearmesh inspect` prints. `values` has
+
+    * of a pair file its fields with the quantities of a drawing;
+    * of tables the `name` and the `listing`: rows of the text by their names;
+    * of an FMU the `name`, `platforms`, `step_size_s`, the `start` values (numbers in SI units, truth values, names of items), the
+      sizes of its `files` in bytes, the `listing`, and its `tables` as above or None.
     """
 
     kind: Literal["pair", "tables", "fmu"]
@@ -304,7 +308,7 @@ def pack(source: Pair, out: str | Path, *, set: Mapping[str, Value] | None = Non
         Of the FMU.
     """
     with _file(source) as file:
-        kind = "--tables" if _kind(run("inspect", file)) == "tables" else "--pair"
+        kind = "--tables" if _inspected(file).get("kind") == "tables" else "--pair"
         run("pack", kind, file, "-o", out, *settings(set))
     return Path(out)
 
@@ -471,17 +475,12 @@ def inspect(file: str | Path) -> Inspection:
     -------
     Inspection
     """
-    text = run("inspect", file)
-    kind = _kind(text)
-    if kind in ("tables", "FMU"):
-        rows = (line.strip().split("  ", 1) for line in text.splitlines()[1:])
-        return Inspection("fmu" if kind == "FMU" else "tables", {row[0]: row[1].strip() for row in rows if len(row) > 1}, text)
-    return Inspection("pair", json.loads(run("inspect", file, "--json")), text)
+    values = _inspected(file)
+    return Inspection(values.pop("kind", "pair"), values, run("inspect", file))
 
 
-def _kind(text: str) -> str:
-    """What `gearmesh inspect` calls the file in its first line."""
-    return text.partition("\n")[0].rpartition(": ")[2]
+def _inspected(file: str | Path) -> dict[str, Any]:
+    return json.loads(run("inspect", file, "--json"))
 
 
 @contextmanager

@@ -120,12 +120,14 @@ fn mesh_cycle(
 ) -> MeshCycle {
     let input = CycleInput {
         flank: Flank::Drive,
-        torque,
         center_distance_offset: 0.0,
-        misalignment,
         positions,
     };
-    MeshCycle::solve(solver, &input).unwrap()
+    let load = LoadCase {
+        torque,
+        misalignment,
+    };
+    MeshCycle::solve(solver, &input, load).unwrap()
 }
 
 /// The elastic models of the tooth roots of `pair` on coarse finite elements.

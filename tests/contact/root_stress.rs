@@ -31,9 +31,7 @@ fn solve(pair: &Pair, flank: Flank, cases: &[(f64, f64)]) -> Vec<[GearRoots; 2]>
     let models = root_models(pair, Flank::Drive);
     let input = CycleInput {
         flank,
-        torque: 100.0,
         center_distance_offset: 0.0,
-        misalignment: 0.0,
         positions: 8,
     };
     let case = |&(torque, misalignment): &(f64, f64)| LoadCase {

@@ -3,6 +3,7 @@
 import inspect
 import json
 import math
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -101,11 +102,16 @@ def test_study_optimizes_within_its_requirements(tmp_path):
 
 
 def test_inspect_knows_every_kind_of_file(fmus):
-    for file, kind, row in ((fmus["fzg-c"], "fmu", "start: damping"), (TABLES / "fzg-c.json", "tables", "teeth"), (PAIR, "pair", "gear1")):
-        shown = gearmesh.inspect(file)
-        assert shown.kind == kind and shown.text
-        assert row in shown.values or kind == "tables" and shown.values, shown.values
-    assert gearmesh.inspect(PAIR).values["gear1"]["teeth"] == 20
+    fmu, tables, pair = (gearmesh.inspect(file) for file in (fmus["fzg-c"], TABLES / "fzg-c.json", PAIR))
+    assert (fmu.kind, tables.kind, pair.kind) == ("fmu", "tables", "pair")
+    for shown in (fmu, tables):
+        for name, value in shown.values["listing"].items():
+            assert re.search(rf"^  {re.escape(name)} +{re.escape(value)}$", shown.text, re.MULTILINE), name
+    start = fmu.values["start"]
+    assert start["nominalTorque"] > 0 and start["shuttlingEffect"] is True and start["coupling"] == "automatic", start
+    assert fmu.values["files"]["modelDescription.xml"] > 1000 and "linux64" in fmu.values["platforms"]
+    assert fmu.values["tables"] == {"kind": "tables", **tables.values}
+    assert pair.values["gear1"]["teeth"] == 20
 
 
 def test_errors_of_the_command_are_exceptions_with_its_message(tmp_path):

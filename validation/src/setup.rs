@@ -12,7 +12,7 @@ use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile, TeethRecord};
 use gearmesh_preprocessor::contact::{
-    CycleInput, ElasticModels, MeshCycle, ModelSettings, contact_file,
+    CycleInput, ElasticModels, LoadCase, MeshCycle, ModelSettings, contact_file,
 };
 use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
@@ -96,12 +96,14 @@ pub fn solver(
 pub fn ste(solver: &ContactSolver, torque: f64, positions: usize) -> Result<[f64; 2]> {
     let input = CycleInput {
         flank: Flank::Drive,
-        torque,
         center_distance_offset: 0.0,
-        misalignment: 0.0,
         positions,
     };
-    let cycle = MeshCycle::solve(solver, &input)?;
+    let load = LoadCase {
+        torque,
+        misalignment: 0.0,
+    };
+    let cycle = MeshCycle::solve(solver, &input, load)?;
     Ok([1e6 * cycle.mean_ste(), 1e6 * cycle.peak_to_peak_ste()])
 }
 

@@ -161,7 +161,7 @@ impl Report {
         }
         let others: Vec<Case> = aligned
             .into_iter()
-            .filter(|case| case.input.torque != loads.nominal)
+            .filter(|case| case.load.torque != loads.nominal)
             .collect();
         all.extend(sections::carried(
             &pair,
@@ -217,7 +217,7 @@ fn complete_overview(overview: &mut Section, pair: &Pair, nominal: &Case) {
     overview.figures.extend(sections::contact_patterns(
         &pair.geometry,
         std::slice::from_ref(nominal),
-        |case| torque_in_words(case.input.torque),
+        |case| torque_in_words(case.load.torque),
     ));
 }
 
@@ -236,7 +236,7 @@ fn key_numbers(pair: &Pair) -> Vec<Column<'_, &Case>> {
         "", ["transverse contact ratio", "", 3] => g.transverse_contact_ratio(c);
         "", ["overlap ratio", "", 3] => g.overlap_ratio();
         "", ["backlash at the operating pitch circle", "um", 1] => backlash;
-        "", ["nominal torque on gear 1", "N m", None] => case.input.torque;
+        "", ["nominal torque on gear 1", "N m", None] => case.load.torque;
         "", ["STE, mean", "um", 3] => 1e6 * case.cycle.mean_ste();
         "", ["STE, peak to peak", "um", 3] => 1e6 * case.cycle.peak_to_peak_ste();
         "", ["largest flank pressure", "MPa", 0] => 1e-6 * case.cycle.max_pressure();
@@ -288,7 +288,7 @@ fn table(solver: &ContactSolver, cases: &[Case]) -> Section {
     let notes = |case: &Case| -> String {
         let elasticity = case.cycle.note_on_elasticity(solver.geometry());
         let notes = [elasticity, case.cycle.note_on_segments()];
-        let torque = torque_in_words(case.input.torque);
+        let torque = torque_in_words(case.load.torque);
         let notes = notes.into_iter().flatten();
         notes.map(|note| format!(" {torque}: {note}.")).collect()
     };

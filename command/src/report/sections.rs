@@ -52,8 +52,8 @@ fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> V
         let values = results.map(|result| value(case, result));
         let positions = case.cycle.mesh_position.iter().copied().chain([1.0]);
         // Torques of a survey have no end of digits.
-        let torque = format!("{:.3e}", case.input.torque).parse();
-        let torque = torque.unwrap_or(case.input.torque);
+        let torque = format!("{:.3e}", case.load.torque).parse();
+        let torque = torque.unwrap_or(case.load.torque);
         Curve::new(torque_in_words(torque), positions.zip(values))
     };
     cases.iter().map(curve).collect()
@@ -184,7 +184,7 @@ fn load_share(case: &Case) -> Curve {
 pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>) -> Curve {
     let position = |i: usize, pair| case.cycle.mesh_position[i] + f64::from(pair);
     let points = values.map(|(i, pair, value)| (position(i, pair), value));
-    let mut curve = Curve::new(torque_in_words(case.input.torque), points);
+    let mut curve = Curve::new(torque_in_words(case.load.torque), points);
     curve.points.sort_by(|a, b| a.0.total_cmp(&b.0));
     curve
 }
@@ -250,7 +250,7 @@ pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section> {
 
 pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads, survey: &[Case]) -> Section {
     let over_torque = |label: String, value: &dyn Fn(&Case) -> f64| {
-        let points = survey.iter().map(|case| (case.input.torque, value(case)));
+        let points = survey.iter().map(|case| (case.load.torque, value(case)));
         Curve::new(label, points)
     };
     let lost = |rpm: f64, value: fn(&Loss) -> f64| {
@@ -346,8 +346,8 @@ pub fn contact_patterns(
 pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> Vec<Section> {
     let geometry = &pair.geometry;
     let cos_beta_b = geometry.base_helix_angle().cos();
-    let torque = |case: &Case| torque_in_words(case.input.torque);
-    let tilt = |case: &Case| format!("{:+.2} mrad", 1e3 * case.input.misalignment);
+    let torque = |case: &Case| torque_in_words(case.load.torque);
+    let tilt = |case: &Case| format!("{:+.2} mrad", 1e3 * case.load.misalignment);
     let line_load = |s: &SegmentLoad| Some(1e-3 * s.line_load(cos_beta_b));
     let distribution = ["Load distribution", "line load (N/mm)"];
 
@@ -456,7 +456,7 @@ pub fn roots(cases: &[Case], nominal: f64) -> Section {
         "Root stress of gear 1", labels, Height::FromZero(0.0) => curves(0);
         "Root stress of gear 2", labels, Height::FromZero(0.0) => curves(1);
     };
-    let nominal = cases.iter().find(|case| case.input.torque == nominal);
+    let nominal = cases.iter().find(|case| case.load.torque == nominal);
     let gears = nominal.and_then(|case| case.roots.as_ref());
     for (i, gear) in gears.into_iter().flatten().enumerate() {
         let Some(largest) = gear.largest() else {

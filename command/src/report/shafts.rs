@@ -34,9 +34,7 @@ pub fn section(
     for (flank, name) in FLANKS {
         let input = CycleInput {
             flank,
-            torque: loads.nominal,
             center_distance_offset: 0.0,
-            misalignment: 0.0,
             positions: POSITIONS,
         };
         let mut cases = Case::solve_all((solver, shafts), None, &input, &matrix, &|_| {})?;
@@ -196,7 +194,7 @@ fn deflections(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
 fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
     let curves = |value: &dyn Fn(&Case, &ShaftState) -> f64| -> Vec<Curve> {
         let curve = |(name, cases, _): &Solved| {
-            let point = |case: &Case| Some((case.input.torque, value(case, case.shafts.as_ref()?)));
+            let point = |case: &Case| Some((case.load.torque, value(case, case.shafts.as_ref()?)));
             Curve::new(*name, cases.iter().filter_map(point))
         };
         solved.iter().map(curve).collect()

@@ -175,9 +175,7 @@ impl Solve {
         }
         let input = CycleInput {
             flank: self.flank,
-            torque: loads[0].torque,
             center_distance_offset: self.center_distance_offset_um * 1e-6,
-            misalignment: loads[0].misalignment,
             positions: self.positions,
         };
         let progress = |share| job.show("static contact", share);
@@ -308,8 +306,8 @@ fn largest_root_stress<'r>() -> Vec<Column<'static, &'r Case>> {
 fn all_notes(solved: &Solved) -> String {
     let mut about: Vec<(String, Vec<String>)> = vec![];
     for case in &solved.cases {
-        let torque = torque_in_words(case.input.torque);
-        let load = format!("{torque}, {} mrad", rounded(case.input.misalignment * 1e3));
+        let torque = torque_in_words(case.load.torque);
+        let load = format!("{torque}, {} mrad", rounded(case.load.misalignment * 1e3));
         for note in notes(&solved.pair, case) {
             match about.iter_mut().find(|(other, _)| *other == note) {
                 Some((_, loads)) => loads.push(load.clone()),

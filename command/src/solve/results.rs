@@ -415,7 +415,7 @@ fn root_field<'r>() -> Vec<Column<'static, (Tooth<'r>, &'r RootPoint)>> {
 }
 
 pub fn nominal_stress(solver: &ContactSolver, case: &Case, i: usize) -> Option<NominalRootStress> {
-    NominalRootStress::new(solver.geometry(), i, case.input.torque)
+    NominalRootStress::new(solver.geometry(), i, case.load.torque)
 }
 
 /// Terms of ISO 6336-3:2006, method B.

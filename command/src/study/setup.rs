@@ -173,9 +173,7 @@ impl Setup {
         let loads = LoadCase::matrix(&torque.unwrap_or(self.torques.clone()), &[misalignment]);
         let input = CycleInput {
             flank: FLANK,
-            torque: loads[0].torque,
             center_distance_offset: 1e-6 * load("center_distance_offset_um").unwrap_or(0.0),
-            misalignment,
             positions: self.positions,
         };
         let mut changed = self.changed(point, values)?.pair()?;

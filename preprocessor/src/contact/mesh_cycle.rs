@@ -21,17 +21,13 @@ pub const ENOUGH_SEGMENTS: usize = 6;
 /// Pressure times the sum of (1 - nu²) / E of both flanks that leaves a dent in hardened steel: 4 GPa there (ISO 76).
 const LARGEST_PRESSURE: f64 = 0.0353;
 
-/// Where a mesh cycle is asked for.
+/// Flank and positions of a mesh cycle; its load is a [`LoadCase`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleInput {
     /// Loaded flank of gear 1.
     pub flank: Flank,
-    /// Torque on gear 1, N m, >= 0.
-    pub torque: f64,
     /// Deviation from the nominal centre distance, m.
     pub center_distance_offset: f64,
-    /// Misalignment in the plane of action, rad.
-    pub misalignment: f64,
     /// Number of equidistant positions, from 0 on.
     pub positions: usize,
 }
@@ -57,8 +53,8 @@ pub struct MeshCycle {
     pub solve_seconds: f64,
 }
 
-/// A load at which a mesh cycle is asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The load of a mesh cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadCase {
     /// Torque on gear 1, N m, >= 0.
     pub torque: f64,
@@ -86,21 +82,21 @@ impl LoadCase {
 type Solved = (ContactResult, Option<ShaftState>, [f64; 2], [Sliding; 2]);
 
 impl MeshCycle {
-    /// Solves all positions, in parallel, without shafts.
+    /// Solves all positions under `load`, in parallel, without shafts.
     ///
     /// # Errors
     /// [`ContactError::Input`] for no positions, else the first error of a position.
-    pub fn solve(solver: &ContactSolver, input: &CycleInput) -> Result<MeshCycle, ContactError> {
-        let case = LoadCase {
-            torque: input.torque,
-            misalignment: input.misalignment,
-        };
-        let mut cycles = MeshCycle::solve_all(solver, &[None, None], input, &[case], &|_| ())?;
+    pub fn solve(
+        solver: &ContactSolver,
+        input: &CycleInput,
+        load: LoadCase,
+    ) -> Result<MeshCycle, ContactError> {
+        let mut cycles = MeshCycle::solve_all(solver, &[None, None], input, &[load], &|_| ())?;
         let missing = || ContactError::input("load cases", 0.0, "give at least 1");
         cycles.pop().ok_or_else(missing)
     }
 
-    /// Solves `cases` in place of the load of `input`, a cycle for each in their order, with each gear that has one on its shaft of
+    /// Solves a cycle for each of `cases`, in their order, with each gear that has one on its shaft of
     /// `shafts`: the misalignment is then that of the unloaded shafts. The influence matrix of a position serves all cases.
     /// `progress` is told the share that is done, from any thread.
     ///

@@ -2,7 +2,7 @@
 //! finite-element analyses that include the contact, and solid faces between plane strain and stress.
 
 use super::*;
-use crate::contact::{CycleInput, MeshCycle};
+use crate::contact::{CycleInput, LoadCase, MeshCycle};
 use crate::package::theoretical_pair_stiffness;
 use crate::pair;
 use approx::assert_relative_eq;
@@ -81,12 +81,14 @@ fn approach_at_pitch_point(pair: &Pair, solver: &ContactSolver) -> f64 {
 fn ste(pair: &Pair, solver: &ContactSolver, positions: usize) -> (f64, f64) {
     let input = CycleInput {
         flank: Flank::Drive,
-        torque: pair.operating.maximum_torque,
         center_distance_offset: 0.0,
-        misalignment: 0.0,
         positions,
     };
-    let cycle = MeshCycle::solve(solver, &input).unwrap();
+    let load = LoadCase {
+        torque: pair.operating.maximum_torque,
+        misalignment: 0.0,
+    };
+    let cycle = MeshCycle::solve(solver, &input, load).unwrap();
     (1e6 * cycle.mean_ste(), 1e6 * cycle.peak_to_peak_ste())
 }
 

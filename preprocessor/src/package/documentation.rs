@@ -105,14 +105,16 @@ impl Description<'_> {
                 edits.push((typed, "start", text));
             }
         }
+        let range = |(node, attribute, text): (Node, &str, String)| {
+            Some((node.attribute_node(attribute)?.range_value(), text))
+        };
+        let mut edits: Vec<_> = edits.into_iter().filter_map(range).collect();
+        edits.sort_by_key(|(range, _)| range.start);
         let (mut out, mut done) = (String::new(), 0);
-        for (node, attribute, text) in edits {
-            if let Some(attribute) = node.attribute_node(attribute) {
-                let range = attribute.range_value();
-                out += &TEMPLATE[done..range.start];
-                out += &text;
-                done = range.end;
-            }
+        for (range, text) in edits {
+            out += &TEMPLATE[done..range.start];
+            out += &text;
+            done = range.end;
         }
         out + &TEMPLATE[done..]
     }

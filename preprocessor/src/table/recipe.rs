@@ -179,9 +179,7 @@ impl Recipe {
             for center_distance_offset in nominal_and_ends(coverage.center_distance_offset) {
                 let input = CycleInput {
                     flank,
-                    torque,
                     center_distance_offset,
-                    misalignment: 0.0,
                     positions: CORNER_POSITIONS,
                 };
                 MeshCycle::solve_all(&models.solver, &[None, None], &input, &loads, &|_| {})
@@ -293,13 +291,15 @@ const BENT_POSITIONS: usize = 16;
 fn on_bent_teeth(models: &ElasticModels) -> Result<String, ContactError> {
     let input = CycleInput {
         flank: Flank::Drive,
-        torque: models.pair.operating.nominal_torque,
         center_distance_offset: 0.0,
-        misalignment: 0.0,
         positions: BENT_POSITIONS,
     };
+    let load = LoadCase {
+        torque: models.pair.operating.nominal_torque,
+        misalignment: 0.0,
+    };
     let shares = match models.solver.settings().bent_teeth {
-        true => MeshCycle::solve(&models.solver, &input)?.share_of_bent_teeth(),
+        true => MeshCycle::solve(&models.solver, &input, load)?.share_of_bent_teeth(),
         false => [0.0; 2],
     };
     let [mean, swing] = shares.map(|share| 100.0 * share);

@@ -5,11 +5,12 @@ use super::dual::{Scalar, fraction, whole_turns, wrap};
 use super::engagement::Engagement;
 use super::flank::FlankLoad;
 use super::friction::Friction;
-use super::kinematics::{Coordinates, Map};
-use super::law::{Extras, Law, Workspace};
+use super::kinematics::{Coordinates, Map, Spatial};
+use super::law::{Law, Secondary, Workspace};
 use super::motion::{ElementError, Inputs, Motion, Outputs, PhaseOffset};
 use super::paper::Carried;
 use super::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
+use crate::contact::Warm;
 use crate::gear::teeth::Counts;
 use crate::table::Table;
 use nalgebra::Vector3;
@@ -89,6 +90,19 @@ impl Element {
         }
         let beyond = taken - 0.5;
         -elastic * (taken - beyond * beyond * 0.5)
+    }
+
+    /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual pitch circle.
+    #[inline(always)]
+    fn displacement_factor<T: Scalar>(&self, cos_phi: T) -> T {
+        let (formulation, model) = (self.parameters.formulation, self.parameters.stiffness_model);
+        match (formulation, model) {
+            (Formulation::Paper, StiffnessModel::Constant) => {
+                let ratio = cos_phi.recip() * self.constants.cos_phi;
+                ratio * ratio
+            }
+            _ => T::from(1.0),
+        }
     }
 
     /// What else helps teeth that stand where the body frames say and overlap on the line of action, by `x` (m) in the turn of gear 1.
@@ -180,7 +194,7 @@ impl<T: Scalar> Pose<T> {
     }
 }
 
-/// Loads and diagnostics at `inputs`, and what they were made of.
+/// Loads and diagnostics at a pose, and what they were made of.
 pub(crate) struct Solution<T: Scalar> {
     pub outputs: Outputs<T>,
     /// `None`: the gears are out of reach of one another.
@@ -204,132 +218,205 @@ impl<T: Scalar> Solution<T> {
         stiffness_slopes: bool,
         workspace: &mut Workspace,
     ) -> Result<Self, ElementError> {
-        let k = &el.constants;
         let pose = Pose::<T>::new(el, inputs)?;
-        let (q, c) = (&pose.coordinates, pose.coordinates.center_distance);
         if !pose.map.in_reach {
-            let point = in_world(&inputs.gears[0], pose.map.near_pitch_point(T::from(0.0)));
-            return Ok(Solution {
-                outputs: Outputs {
-                    contact_point: point,
-                    center_distance: c,
-                    contact_z: T::from(k.z_ref),
-                    out_of_range: true,
-                    ..Outputs::default()
-                },
-                mesh: None,
-            });
+            return Ok(Self::out_of_reach(el, inputs, &pose));
         }
-        let cos_phi = c.recip() * k.base_sum;
-        let twist = pose.map.twist(&inputs.gears);
-        let rates = pose.map.rates(&twist);
-        let mesh = Engagement::new(k, c, q.axial);
-        let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + phase.tooth_angle) * k.per_tooth_angle;
+        let mut mating = Mating::new(el, phase, inputs, &pose);
+        for i in 0..2 {
+            mating.press(i, phase, stiffness_slopes, &mut workspace.0[i])?;
+        }
+        let mut on_2 = pose.map.wrench(&mating.slopes);
+        let rubbing = mating.rub(&mut on_2);
+        let outputs = mating.outputs(&on_2, &rubbing, inputs);
+        Ok(Self {
+            outputs,
+            mesh: Some(Mesh {
+                rates: mating.rates,
+                flanks: mating.flanks,
+            }),
+        })
+    }
 
-        let mut out_of_range = mesh.leaving;
-        // Either flank sees the misalignment with its own sign, and a table may cover more of one sign than of the other.
-        let mut beyond_table = [false; 2];
-        let zero = T::from(0.0);
-        let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
-        // By the coordinates, of both flanks.
-        let mut slopes = Coordinates::default();
-        let mut extras = [None; 2];
-        // Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual pitch circle.
-        let scale = match (el.parameters.formulation, el.parameters.stiffness_model) {
-            (Formulation::Paper, StiffnessModel::Constant) => {
-                let ratio = cos_phi.recip() * k.cos_phi;
-                ratio * ratio
-            }
-            _ => T::from(1.0),
+    /// Of gears no tooth of which reaches the other gear.
+    #[inline(always)]
+    fn out_of_reach(el: &Element, inputs: &Inputs, pose: &Pose<T>) -> Self {
+        let point = pose.map.near_pitch_point(T::from(0.0));
+        Self {
+            outputs: Outputs {
+                contact_point: in_world(&inputs.gears[0], point),
+                center_distance: pose.coordinates.center_distance,
+                contact_z: T::from(el.constants.z_ref),
+                out_of_range: true,
+                ..Outputs::default()
+            },
+            mesh: None,
+        }
+    }
+}
+
+/// The gears at a pose within reach of one another, on the way to their loads.
+struct Mating<'e, T> {
+    el: &'e Element,
+    pose: &'e Pose<T>,
+    /// Twist of gear 2 against gear 1 at c2.
+    twist: Spatial<T>,
+    /// Rates of the coordinates.
+    rates: Coordinates<T>,
+    engagement: Engagement<T>,
+    /// Of the working pressure angle.
+    cos_phi: T,
+    flanks: [FlankLoad<T>; 2],
+    /// What the law of each flank finds beside its potential.
+    secondary: [Option<Secondary<T>>; 2],
+    /// Of the potential and the dampers by the coordinates, of both flanks.
+    slopes: Coordinates<T>,
+    /// Either flank sees the misalignment with its own sign, and a table may cover more of one sign than of the other.
+    beyond_table: [bool; 2],
+    out_of_range: bool,
+}
+
+impl<'e, T: Scalar> Mating<'e, T> {
+    /// At `pose`, with both flanks still without load.
+    #[inline(always)]
+    fn new(el: &'e Element, phase: &PhaseOffset<T>, inputs: &Inputs, pose: &'e Pose<T>) -> Self {
+        let (k, q) = (&el.constants, &pose.coordinates);
+        let twist = pose.map.twist(&inputs.gears);
+        let engagement = Engagement::new(k, q.center_distance, q.axial);
+        let turn = wrap(q.turn * (1.0 / k.per_tooth_angle) + phase.tooth_angle);
+        let x = turn * k.per_tooth_angle;
+        let flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
+        Self {
+            el,
+            rates: pose.map.rates(&twist),
+            twist,
+            cos_phi: q.center_distance.recip() * k.base_sum,
+            flanks,
+            secondary: [None; 2],
+            slopes: Coordinates::default(),
+            beyond_table: [false; 2],
+            out_of_range: engagement.leaving,
+            engagement,
+            pose,
+        }
+    }
+
+    /// Elastic force and damper of flank `i`.
+    /// Errors: its law has no potential there; see [`Element::have_passed`].
+    #[inline(always)]
+    fn press(
+        &mut self,
+        i: usize,
+        phase: &PhaseOffset<T>,
+        stiffness_slopes: bool,
+        warm: &mut Warm,
+    ) -> Result<(), ElementError> {
+        let (el, pose, engagement) = (self.el, self.pose, &self.engagement);
+        let (k, q) = (&el.constants, &pose.coordinates);
+        let Some(law) = &el.laws[i] else {
+            return Ok(());
         };
-        for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
-            let Some(law) = law else { continue };
-            let counts = if law.tells_teeth_apart {
-                pose.counts(k, i, phase)
-            } else {
-                [0; 2]
-            };
-            let coordinates = [
-                (flank.penetration + flank.misalignment * pose.lever) * scale,
-                c - k.center_distance,
-                flank.misalignment,
-                flank.mesh_position,
-            ];
-            let response = law.respond(
-                coordinates,
-                counts,
-                stiffness_slopes,
-                &mut workspace.0[i],
-                &mut extras[i],
-            )?;
-            beyond_table[i] = response.out_of_range;
-            // The potential is U = (engagement) W.
-            let elastic = response.gradient[0] * mesh.factor;
-            if elastic.re() <= 0.0 {
+        let flank = &mut self.flanks[i];
+        let counts = if law.tells_teeth_apart {
+            pose.counts(k, i, phase)
+        } else {
+            [0; 2]
+        };
+        let scale = el.displacement_factor(self.cos_phi);
+        let coordinates = [
+            (flank.penetration + flank.misalignment * pose.lever) * scale,
+            q.center_distance - k.center_distance,
+            flank.misalignment,
+            flank.mesh_position,
+        ];
+        let secondary = &mut self.secondary[i];
+        let response = law.respond(coordinates, counts, stiffness_slopes, warm, secondary)?;
+        self.beyond_table[i] = response.out_of_range;
+        // The potential is U = (engagement) W.
+        let elastic = response.gradient[0] * engagement.factor;
+        if elastic.re() <= 0.0 {
+            return Ok(());
+        }
+        self.out_of_range |= el.have_passed(flank.penetration.re(), q.half_gap.re())?;
+        let s = flank.sign;
+        flank.elastic = elastic;
+        flank.arm = response.gradient[2] / response.gradient[0];
+        flank.energy = response.energy * engagement.factor;
+        flank.stiffness = response.stiffness * engagement.factor * scale;
+        // The damper opposes the rate of approach, and acts along its slopes.
+        let by_misalignment = match el.parameters.formulation {
+            Formulation::Conjugate => flank.arm,
+            Formulation::Paper => pose.lever,
+        };
+        let [even, odd] = self.rates.misalignment;
+        let approach =
+            self.rates.turn * s - self.rates.half_gap + (even + odd * s) * by_misalignment;
+        flank.damping = el.damping(elastic, approach, self.cos_phi);
+        let (mut force, mut moment) = (flank.damping, flank.damping * by_misalignment);
+        let slopes = &mut self.slopes;
+        // The paper's elastic force is no gradient: `Carried` has it.
+        if pose.carried.is_none() {
+            force += elastic;
+            moment += elastic * flank.arm;
+            slopes.center_distance += response.gradient[1] * engagement.factor
+                + response.energy * engagement.by_center_distance;
+            slopes.mesh_angle += response.gradient[3] * engagement.factor * (-s / k.pitch_angle);
+            slopes.axial += response.energy * engagement.by_axial_position;
+        }
+        slopes.turn += force * s;
+        slopes.half_gap -= force;
+        slopes.misalignment[0] += moment;
+        slopes.misalignment[1] += moment * s;
+        Ok(())
+    }
+
+    /// Friction of both flanks, added to the wrench `on_2` on gear 2.
+    #[inline(always)]
+    fn rub(&self, on_2: &mut Spatial<T>) -> Rubbing<T> {
+        let mut rubbing = Rubbing::default();
+        let Some(friction) = &self.el.friction else {
+            return rubbing;
+        };
+        let k = &self.el.constants;
+        let offset = self.pose.coordinates.center_distance - k.center_distance;
+        let (shown, _) = carrying_flank(&self.flanks, self.el.reference_flank);
+        for (i, load) in self.flanks.iter().enumerate() {
+            if load.elastic.re() <= 0.0 {
                 continue;
             }
-            out_of_range |= el.have_passed(flank.penetration.re(), q.half_gap.re())?;
-            let s = flank.sign;
-            flank.elastic = elastic;
-            flank.arm = response.gradient[2] / response.gradient[0];
-            flank.energy = response.energy * mesh.factor;
-            flank.stiffness = response.stiffness * mesh.factor * scale;
-            // The damper opposes the rate of approach, and acts along its slopes.
-            let by_misalignment = match el.parameters.formulation {
-                Formulation::Conjugate => flank.arm,
-                Formulation::Paper => pose.lever,
+            let tabulated = || load.sliding(self.el.table()?, FLANKS[i], offset);
+            let found = self.secondary[i].map(|found| found.sliding);
+            let Some(sliding) = found.or_else(tabulated) else {
+                continue;
             };
-            let [even, odd] = rates.misalignment;
-            let approach = rates.turn * s - rates.half_gap + (even + odd * s) * by_misalignment;
-            flank.damping = el.damping(elastic, approach, cos_phi);
-            let (mut force, mut moment) = (flank.damping, flank.damping * by_misalignment);
-            if pose.carried.is_none() {
-                force += elastic;
-                moment += elastic * flank.arm;
-                slopes.center_distance +=
-                    response.gradient[1] * mesh.factor + response.energy * mesh.by_center_distance;
-                slopes.mesh_angle += response.gradient[3] * mesh.factor * (-s / k.pitch_angle);
-                slopes.axial += response.energy * mesh.by_axial_position;
+            let spin = -self.rates.mesh_angle;
+            let found = friction.on_flank(k, &self.pose.map, load, sliding, &self.twist, spin);
+            on_2.add(&found.row, found.force);
+            rubbing.power -= found.force * found.speed;
+            if i == shown {
+                rubbing.coefficient = found.coefficient;
+                rubbing.loss_factor = found.loss_factor;
             }
-            slopes.turn += force * s;
-            slopes.half_gap -= force;
-            slopes.misalignment[0] += moment;
-            slopes.misalignment[1] += moment * s;
         }
+        rubbing
+    }
 
-        let mut on_2 = pose.map.wrench(&slopes);
-        let (index, flank) = carrying_flank(&flanks, el.reference_flank);
+    /// Loads and diagnostics with the wrench `on_2` on gear 2, which is that of friction, too.
+    #[inline(always)]
+    fn outputs(&self, on_2: &Spatial<T>, rubbing: &Rubbing<T>, inputs: &Inputs) -> Outputs<T> {
+        let (el, pose, flanks) = (self.el, self.pose, &self.flanks);
+        let (k, c) = (&el.constants, pose.coordinates.center_distance);
+        let (index, flank) = carrying_flank(flanks, el.reference_flank);
         // A flank that carries nothing says nothing about the loads.
         let counts = |i: usize| i == index || flanks[i].elastic.re() > 0.0;
-        out_of_range |= (0..2).any(|i| beyond_table[i] && counts(i));
-        let (mut friction_power, mut friction_coefficient, mut loss_factor) = (zero, zero, zero);
-        if let Some(friction) = &el.friction {
-            for (i, load) in flanks.iter().enumerate() {
-                if load.elastic.re() <= 0.0 {
-                    continue;
-                }
-                let spin = -rates.mesh_angle;
-                let tabulated = || load.sliding(el.table()?, FLANKS[i], c - k.center_distance);
-                let found = extras[i].map(|[a, b, c, d, ..]| [a, b, c, d]);
-                let Some(sliding) = found.or_else(tabulated) else {
-                    continue;
-                };
-                let found = friction.on_flank(k, &pose.map, load, sliding, &twist, spin);
-                on_2.add(&found.row, found.force);
-                friction_power -= found.force * found.speed;
-                if i == index {
-                    friction_coefficient = found.coefficient;
-                    loss_factor = found.loss_factor;
-                }
-            }
-        }
-        let mut loads = pose.map.on_gears(&on_2);
+        let beyond_table = (0..2).any(|i| self.beyond_table[i] && counts(i));
+        let mut loads = pose.map.on_gears(on_2);
         if let Some(carried) = &pose.carried {
-            carried.add_elastic_loads(k, &flanks, &mut loads);
+            carried.add_elastic_loads(k, flanks, &mut loads);
         }
         let root_stress = match el.parameters.root_stress {
-            true => root_stress(el, c - k.center_distance, &flanks, &extras, mesh.factor),
-            false => [zero; 2],
+            true => self.root_stress(),
+            false => [T::from(0.0); 2],
         };
         let shown = &flanks[index];
         let reference = &flanks[el.reference_flank];
@@ -337,37 +424,70 @@ impl<T: Scalar> Solution<T> {
             None => (pose.map.near_pitch_point(shown.arm), shown.arm + k.z_ref),
             Some(carried) => carried.contact(k, shown.arm),
         };
-        let rate = rates.turn * reference.sign - rates.half_gap;
+        let rate = self.rates.turn * reference.sign - self.rates.half_gap;
         let per_base_sum = reference.sign / k.base_sum;
-        let [drive, coast] = &flanks;
+        let [drive, coast] = flanks;
         let force = drive.force() + coast.force();
-        let outputs = Outputs {
+        Outputs {
             force: [loads[0].linear, loads[1].linear],
             moment: [loads[0].angular, loads[1].angular],
             contact_point: in_world(&inputs.gears[0], contact_point),
             transmission_error: reference.penetration * c * per_base_sum,
-            transmission_error_rate: (rate * c + reference.penetration * rates.center_distance)
+            transmission_error_rate: (rate * c
+                + reference.penetration * self.rates.center_distance)
                 * per_base_sum,
             mesh_position: shown.mesh_position,
             center_distance: c,
             misalignment: shown.misalignment,
-            tangential_force: force * cos_phi,
+            tangential_force: force * self.cos_phi,
             normal_force: force * k.per_cos_beta_b,
-            stiffness: (drive.stiffness + coast.stiffness) * cos_phi * cos_phi,
+            stiffness: (drive.stiffness + coast.stiffness) * self.cos_phi * self.cos_phi,
             contact_z,
             energy: drive.energy + coast.energy,
-            friction_power,
-            friction_coefficient,
-            loss_factor,
+            friction_power: rubbing.power,
+            friction_coefficient: rubbing.coefficient,
+            loss_factor: rubbing.loss_factor,
             root_stress,
             flank,
-            out_of_range,
-        };
-        Ok(Solution {
-            outputs,
-            mesh: Some(Mesh { rates, flanks }),
-        })
+            out_of_range: self.out_of_range || beyond_table,
+        }
     }
+
+    /// Stress in the roots of gear 1 and gear 2 under the loads of both flanks, Pa: the larger one.
+    ///
+    /// Apart from the loads, which most FMUs compute alone.
+    #[inline(never)]
+    fn root_stress(&self) -> [T; 2] {
+        let offset = self.pose.coordinates.center_distance - self.el.constants.center_distance;
+        let factor = self.engagement.factor;
+        let mut largest = [T::from(0.0); 2];
+        for (i, load) in self.flanks.iter().enumerate() {
+            if load.elastic.re() <= 0.0 {
+                continue;
+            }
+            let stress = match self.el.table() {
+                Some(table) => (table.root_stress(FLANKS[i])).map(|s| load.tabulated(s, offset)),
+                None => self.secondary[i].map(|found| found.root_stress.map(|s| s * factor)),
+            };
+            for (largest, stress) in largest.iter_mut().zip(stress.into_iter().flatten()) {
+                if stress.re() > largest.re() {
+                    *largest = stress;
+                }
+            }
+        }
+        largest
+    }
+}
+
+/// What friction does; zero without load or where it is off.
+#[derive(Default)]
+struct Rubbing<T> {
+    /// Of both flanks on both gears, W, <= 0.
+    power: T,
+    /// Coefficient in force on the flank that carries more.
+    coefficient: T,
+    /// Of that flank.
+    loss_factor: T,
 }
 
 /// The point `from_origin` beyond the origin of `gear`, whose derivatives by its own motion are not among the directions.
@@ -389,34 +509,4 @@ fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (u
     } else {
         (1, -1)
     }
-}
-
-/// Stress in the roots of gear 1 and gear 2 under the loads of both `flanks`, Pa: the larger one; that of `extras` under loads that
-/// count `factor` times.
-///
-/// Apart from the loads, which most FMUs compute alone.
-#[inline(never)]
-fn root_stress<T: Scalar>(
-    el: &Element,
-    offset: T,
-    flanks: &[FlankLoad<T>; 2],
-    extras: &[Option<Extras<T>>; 2],
-    factor: T,
-) -> [T; 2] {
-    let mut largest = [T::from(0.0); 2];
-    for (i, load) in flanks.iter().enumerate() {
-        if load.elastic.re() <= 0.0 {
-            continue;
-        }
-        let stress = match el.table() {
-            Some(table) => (table.root_stress(FLANKS[i])).map(|s| load.tabulated(s, offset)),
-            None => extras[i].map(|[.., first, second]| [first * factor, second * factor]),
-        };
-        for (largest, stress) in largest.iter_mut().zip(stress.into_iter().flatten()) {
-            if stress.re() > largest.re() {
-                *largest = stress;
-            }
-        }
-    }
-    largest
 }

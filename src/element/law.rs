@@ -71,21 +71,43 @@ pub(crate) struct Law {
     coordinate_factors: [f64; COORDINATES],
     /// Likewise on the gradient.
     gradient_factors: [f64; COORDINATES],
-    /// Whether its source finds [`Extras`], and they are not off.
-    finds_extras: bool,
+    /// Whether its source finds [`Secondary`] results, and they are not off.
+    finds_secondary: bool,
     /// -1 on axial positions of a mirrored flank.
     axial_factor: f64,
 }
 
-/// What a source may find beside the potential: share, axial share (m), distance (m) and weight of [`Sliding`], and the stress in the
-/// roots of gear 1 and gear 2, Pa.
-pub(crate) type Extras<T> = [T; 6];
+/// What a source may find beside the potential.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Secondary<T> {
+    /// Share, axial share (m), distance (m) and weight of [`Sliding`].
+    pub sliding: [T; 4],
+    /// Stress in the roots of gear 1 and gear 2, Pa.
+    pub root_stress: [T; 2],
+}
 
-/// Extras as a source finds them.
+/// Numbers of [`Secondary`].
+const SECONDARY: usize = 6;
+
+impl<T: Copy> Secondary<T> {
+    fn to_array(self) -> [T; SECONDARY] {
+        let ([share, axial, distance, weight], [first, second]) = (self.sliding, self.root_stress);
+        [share, axial, distance, weight, first, second]
+    }
+
+    fn from_array([share, axial, distance, weight, first, second]: [T; SECONDARY]) -> Self {
+        Self {
+            sliding: [share, axial, distance, weight],
+            root_stress: [first, second],
+        }
+    }
+}
+
+/// Secondary results as a source finds them.
 struct Found {
-    extras: Extras<f64>,
+    secondary: Secondary<f64>,
     /// Slopes by each coordinate, as far as second derivatives of the potential brought them along.
-    slopes: [Option<Extras<f64>>; COORDINATES],
+    slopes: [Option<[f64; SECONDARY]>; COORDINATES],
 }
 
 /// Derivatives of the potential, as numbers that carry derivatives on.
@@ -115,7 +137,7 @@ impl Law {
             },
             coordinate_factors: [1.0, by_distance, if_on(effects.misalignment, sign), 1.0],
             gradient_factors: [1.0, by_distance, if_on(effects.shuttling, sign), 1.0],
-            finds_extras: match source {
+            finds_secondary: match source {
                 Source::Teeth(..) => effects.friction,
                 Source::Contact(_) => effects.friction || effects.root_stress,
                 _ => false,
@@ -163,7 +185,7 @@ impl Law {
 
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC) with the mesh cycles that
     /// passed on either gear. The derivatives of the stiffness are NaN unless `stiffness_slopes` asks for them: they cost
-    /// two evaluations. `extras` stay as they are without load, and where they stand in a table or friction and root stress are off.
+    /// two evaluations. `secondary` results are written under load alone, and not where they stand in a table or are off.
     /// Errors: the law has no potential there.
     #[inline(always)]
     pub(crate) fn respond<T: Scalar>(
@@ -172,15 +194,15 @@ impl Law {
         counts: Counts,
         stiffness_slopes: bool,
         warm: &mut Warm,
-        extras: &mut Option<Extras<T>>,
+        secondary: &mut Option<Secondary<T>>,
     ) -> Result<Response<T>, ElementError> {
         let mut q = coordinates;
         for (q, factor) in q.iter_mut().zip(self.coordinate_factors) {
             *q = *q * factor;
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let w = match self.finds_extras {
-            true => self.potential_and_extras(at, &q, counts, warm, extras)?,
+        let w = match self.finds_secondary {
+            true => self.potential_and_secondary(at, &q, counts, warm, secondary)?,
             false => self.potential(at, counts, T::CARRIES, warm, &mut None)?,
         };
         let mut gradient = q;
@@ -207,16 +229,16 @@ impl Law {
         [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
     }
 
-    /// The potential at the coordinates `at`, and the extras under load with their slopes, those that are not known by differences,
-    /// where `q`, the same as numbers, carries derivatives.
+    /// The potential at the coordinates `at`, and the secondary results under load with their slopes, those that are not known by
+    /// differences, where `q`, the same as numbers, carries derivatives.
     #[inline(never)]
-    fn potential_and_extras<T: Scalar>(
+    fn potential_and_secondary<T: Scalar>(
         &self,
         at: [f64; COORDINATES],
         q: &[T; COORDINATES],
         counts: Counts,
         warm: &mut Warm,
-        extras: &mut Option<Extras<T>>,
+        secondary: &mut Option<Secondary<T>>,
     ) -> Result<Potential, ElementError> {
         let mut found = None;
         let w = self.potential(at, counts, T::CARRIES, warm, &mut found)?;
@@ -224,23 +246,25 @@ impl Law {
             return Ok(w);
         };
         // By quantity and coordinate.
-        let mut slopes = [[0.0; COORDINATES]; 6];
+        let mut slopes = [[0.0; COORDINATES]; SECONDARY];
         for axis in (0..COORDINATES).filter(|_| T::CARRIES) {
             let by_axis = match found.slopes[axis] {
                 Some(slopes) => slopes,
                 None => central_difference(at, axis, STEP[axis], |x| {
                     let mut there = None;
                     self.potential(x, counts, false, warm, &mut there)?;
-                    Ok::<_, ElementError>(there.map_or([0.0; 6], |there| there.extras))
+                    let there = there.map(|there: Found| there.secondary);
+                    Ok::<_, ElementError>(there.unwrap_or_default().to_array())
                 })?,
             };
             for (slopes, slope) in slopes.iter_mut().zip(by_axis) {
                 slopes[axis] = slope;
             }
         }
-        let mut lifted: Extras<T> = std::array::from_fn(|i| lift(found.extras[i], &slopes[i], q));
-        lifted[1] = lifted[1] * self.axial_factor;
-        *extras = Some(lifted);
+        let values = found.secondary.to_array();
+        let lifted = std::array::from_fn(|i| lift(values[i], &slopes[i], q));
+        let secondary = secondary.insert(Secondary::from_array(lifted));
+        secondary.sliding[1] = secondary.sliding[1] * self.axial_factor;
         Ok(w)
     }
 
@@ -267,9 +291,9 @@ impl Law {
             Source::Table(table, flank) => table.flank(*flank).0.evaluate(&query, want_hessian),
             Source::Teeth(_, teeth) => {
                 let (potential, sliding) = teeth.evaluate_sliding(&query, counts, want_hessian);
-                if self.finds_extras {
+                if self.finds_secondary {
                     *found = Some(Found {
-                        extras: extras(sliding, [0.0; 2]),
+                        secondary: secondary(sliding, [0.0; 2]),
                         slopes: [None; COORDINATES],
                     });
                 }
@@ -353,7 +377,7 @@ fn solved_potential(
     };
     out.hessian[0][0] = here.tangent.force_by_approach;
     let found = found.insert(Found {
-        extras: extras(here.sliding, here.root_stress),
+        secondary: secondary(here.sliding, here.root_stress),
         slopes: [None; COORDINATES],
     });
     if !want_hessian || here.gradient[0] == 0.0 {
@@ -367,7 +391,7 @@ fn solved_potential(
         let [a, b, c, d, slopes @ ..] = central_difference(at, axis, step, |x| {
             let w = contact.potential(x, counts, warm)?;
             let [a, b, c, d] = w.gradient;
-            let [e, f, g, h, i, j] = extras(w.sliding, w.root_stress);
+            let [e, f, g, h, i, j] = secondary(w.sliding, w.root_stress).to_array();
             Ok::<_, ContactError>([a, b, c, d, e, f, g, h, i, j])
         })?;
         found.slopes[axis] = Some(slopes);
@@ -380,7 +404,9 @@ fn solved_potential(
     Ok(out)
 }
 
-fn extras(sliding: Sliding, [first, second]: [f64; 2]) -> Extras<f64> {
-    let [share, axial, distance, weight] = sliding.to_array();
-    [share, axial, distance, weight, first, second]
+fn secondary(sliding: Sliding, root_stress: [f64; 2]) -> Secondary<f64> {
+    Secondary {
+        sliding: sliding.to_array(),
+        root_stress,
+    }
 }

@@ -109,7 +109,7 @@ def test_inspect_knows_every_kind_of_file(fmus):
             assert re.search(rf"^  {re.escape(name)} +{re.escape(value)}$", shown.text, re.MULTILINE), name
     start = fmu.values["start"]
     assert start["nominalTorque"] > 0 and start["shuttlingEffect"] is True and start["coupling"] == "automatic", start
-    assert fmu.values["files"]["modelDescription.xml"] > 1000 and "linux64" in fmu.values["platforms"]
+    assert fmu.values["files"]["modelDescription.xml"] > 1000 and fmu.values["platforms"][0].startswith("linux64")
     assert fmu.values["tables"] == {"kind": "tables", **tables.values}
     assert pair.values["gear1"]["teeth"] == 20
 

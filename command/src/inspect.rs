@@ -10,7 +10,6 @@ use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
 use gearmesh_preprocessor::package::{self, start_in_words};
 use gearmesh_preprocessor::{pair, storage};
-use serde::de::IgnoredAny;
 use serde_json::{Map, Value, json};
 
 use crate::columns::{Listing, rows};
@@ -37,7 +36,7 @@ impl Inspect {
             true => String::new(),
             false => output::read_text(&self.file)?,
         };
-        let is_tables = is_tables(&text);
+        let is_tables = output::is_tables(&text);
         let (text, json) = if is_archive {
             fmu(&self.file)?
         } else if is_tables {
@@ -62,17 +61,6 @@ fn is_archive(path: &Path) -> Result<bool> {
         .and_then(|file| file.take(2).read_to_end(&mut mark))
         .map_err(|error| output::unreadable(path, &error))?;
     Ok(mark == b"PK")
-}
-
-/// Tables say their format; a pair file does not.
-pub fn is_tables(text: &str) -> bool {
-    #[derive(serde::Deserialize)]
-    struct Marks {
-        format: Option<IgnoredAny>,
-        axes: Option<IgnoredAny>,
-    }
-    serde_json::from_str::<Marks>(text)
-        .is_ok_and(|marks| marks.format.is_some() && marks.axes.is_some())
 }
 
 /// Text and JSON of tables.

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use gearmesh_preprocessor::storage;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use serde::de::IgnoredAny;
 
 use crate::error::{Error, Result};
 
@@ -64,6 +65,17 @@ pub fn read_text(path: &Path) -> Result<String, String> {
         ),
         Ok(_) => Ok(text),
     }
+}
+
+/// Tables say their format; a pair file does not.
+pub fn is_tables(text: &str) -> bool {
+    #[derive(serde::Deserialize)]
+    struct Marks {
+        format: Option<IgnoredAny>,
+        axes: Option<IgnoredAny>,
+    }
+    serde_json::from_str::<Marks>(text)
+        .is_ok_and(|marks| marks.format.is_some() && marks.axes.is_some())
 }
 
 pub fn unreadable(path: &Path, error: &io::Error) -> String {

@@ -10,7 +10,6 @@ use gearmesh_preprocessor::package::{self, Contents, Library, Setting, Starts};
 use gearmesh_preprocessor::pair;
 
 use crate::error::{Result, chain};
-use crate::inspect::is_tables;
 use crate::model::ModelArgs;
 use crate::output;
 use crate::tables::{self, Computed, GridArgs};
@@ -103,7 +102,7 @@ impl Pack {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
                 let (tables, error) = (tables.display(), chain(&error));
-                let remedy = match is_tables(&text) {
+                let remedy = match output::is_tables(&text) {
                     true => "",
                     false => "; a pair file is packed by `--pair`",
                 };

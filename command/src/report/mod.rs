@@ -15,7 +15,6 @@ use gearmesh_preprocessor::pair;
 use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words};
 use crate::columns::{Column, Listing, columns, lines, list};
 use crate::error::Result;
-use crate::inspect::is_tables;
 use crate::model::{ModelArgs, ShaftArgs, widen};
 use crate::output::{self, Job};
 use crate::page::{Page, Section, origin};
@@ -187,7 +186,7 @@ impl Report {
 
     /// Name and sections of the variant in the file `path`.
     fn other(&self, path: &Path, loads: &Loads, job: &Job) -> Described {
-        if !is_tables(&output::read_text(path)?) {
+        if !output::is_tables(&output::read_text(path)?) {
             let pair = self.model.applied_to(pair::read(path)?);
             let pair = self.shafts.applied_to(pair);
             let (_, sections) = self.pair_sections(pair.clone(), loads, job)?;

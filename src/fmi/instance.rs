@@ -38,8 +38,7 @@ pub struct Instance {
     buffers: Buffers,
     /// At the present state, if they were evaluated.
     outputs: Option<Rows>,
-    /// `None`: the slopes are not those of the present state; whether they have the row of the stiffness.
-    slopes_with_stiffness: Option<bool>,
+    slopes: Slopes,
     /// How often the gears left the range, for the log.
     departures: usize,
     /// How often loads came to be made otherwise, for the log.
@@ -54,6 +53,14 @@ struct Buffers {
     motions: Inputs,
     workspace: Workspace,
     slopes: Box<Jacobian>,
+}
+
+/// What of the derivatives in [`Buffers`] belongs to the present state.
+enum Slopes {
+    Stale,
+    /// All but the row of `mesh.stiffness`, which costs the most.
+    WithoutStiffness,
+    All,
 }
 
 /// Outputs in the order of their variables.
@@ -102,7 +109,7 @@ impl Instance {
                 slopes: Box::new(Jacobian::zeros()),
             },
             outputs: None,
-            slopes_with_stiffness: None,
+            slopes: Slopes::Stale,
             departures: 0,
             turns: 0,
             discarded: None,
@@ -246,7 +253,7 @@ impl Instance {
     #[inline]
     fn changed(&mut self) {
         self.outputs = None;
-        self.slopes_with_stiffness = None;
+        self.slopes = Slopes::Stale;
     }
 
     /// Takes other settings. An element in which only the damping differs stays: it is tunable, and tables are large.
@@ -558,8 +565,13 @@ impl Instance {
     fn along(&mut self, rows: &[usize], direction: &Direction) -> Result<Vec<f64>, Refusal> {
         const STIFFNESS: usize = row(index::MESH_STIFFNESS);
         let with_stiffness = rows.contains(&STIFFNESS);
-        if self.slopes_with_stiffness < Some(with_stiffness) {
-            self.slopes_with_stiffness = None;
+        let is_known = match self.slopes {
+            Slopes::Stale => false,
+            Slopes::WithoutStiffness => !with_stiffness,
+            Slopes::All => true,
+        };
+        if !is_known {
+            self.slopes = Slopes::Stale;
             let phase = self.state.phase_offset;
             let (element, buffers) = self.ready()?;
             let (slopes, workspace) = (&mut buffers.slopes, &mut buffers.workspace);
@@ -570,7 +582,10 @@ impl Instance {
                 slopes,
                 workspace,
             )?;
-            self.slopes_with_stiffness = Some(with_stiffness);
+            self.slopes = match with_stiffness {
+                true => Slopes::All,
+                false => Slopes::WithoutStiffness,
+            };
         }
         let slopes = *self.buffers.slopes * direction;
         // What is known of the master changes at steps alone.

@@ -60,8 +60,7 @@ macro_rules! functions {
     };
 }
 
-/// In the order of the life of an instance, so that ranges of it are the rules.
-const STATES: [State; 7] = [
+const ALL: &[State] = &[
     Instantiated,
     InitializationMode,
     StepComplete,
@@ -70,17 +69,36 @@ const STATES: [State; 7] = [
     Terminated,
     Error,
 ];
+/// In which there are outputs.
+const INITIALIZED: &[State] = &[
+    InitializationMode,
+    StepComplete,
+    EventMode,
+    ContinuousTimeMode,
+    Terminated,
+    Error,
+];
+/// In which inputs may be set.
+const RUNNING: &[State] = &[
+    Instantiated,
+    InitializationMode,
+    StepComplete,
+    EventMode,
+    ContinuousTimeMode,
+];
+/// In which discrete variables may be set: not while a solver integrates.
+const AT_EVENTS: &[State] = &[Instantiated, InitializationMode, StepComplete, EventMode];
 const CS: Option<Interface> = Some(Interface::CoSimulation);
 const ME: Option<Interface> = Some(Interface::ModelExchange);
 
 functions! {
-    fmi2SetDebugLogging fmi2Reset fmi2GetFMUstate fmi2SetFMUstate fmi2FreeFMUstate: &STATES, None;
-    fmi2SerializedFMUstateSize fmi2SerializeFMUstate fmi2DeSerializeFMUstate: &STATES, None;
+    fmi2SetDebugLogging fmi2Reset fmi2GetFMUstate fmi2SetFMUstate fmi2FreeFMUstate: ALL, None;
+    fmi2SerializedFMUstateSize fmi2SerializeFMUstate fmi2DeSerializeFMUstate: ALL, None;
     fmi2SetupExperiment fmi2EnterInitializationMode: &[Instantiated], None;
     fmi2ExitInitializationMode: &[InitializationMode], None;
-    fmi2GetReal fmi2GetInteger fmi2GetBoolean fmi2GetString fmi2GetDirectionalDerivative: STATES.split_at(1).1, None;
-    fmi2SetReal: STATES.split_at(5).0, None;
-    fmi2SetInteger fmi2SetBoolean fmi2SetString: STATES.split_at(4).0, None;
+    fmi2GetReal fmi2GetInteger fmi2GetBoolean fmi2GetString fmi2GetDirectionalDerivative: INITIALIZED, None;
+    fmi2SetReal: RUNNING, None;
+    fmi2SetInteger fmi2SetBoolean fmi2SetString: AT_EVENTS, None;
     fmi2Terminate: &[StepComplete, EventMode, ContinuousTimeMode], None;
 
     fmi2SetRealInputDerivatives: &[Instantiated, InitializationMode, StepComplete], CS;
@@ -94,8 +112,8 @@ functions! {
     fmi2EnterEventMode fmi2SetTime: &[EventMode, ContinuousTimeMode], ME;
     fmi2NewDiscreteStates fmi2EnterContinuousTimeMode: &[EventMode], ME;
     fmi2CompletedIntegratorStep fmi2SetContinuousStates: &[ContinuousTimeMode], ME;
-    fmi2GetDerivatives fmi2GetContinuousStates fmi2GetNominalsOfContinuousStates: &STATES, ME;
-    fmi2GetEventIndicators: STATES.split_at(1).1, ME;
+    fmi2GetDerivatives fmi2GetContinuousStates fmi2GetNominalsOfContinuousStates: ALL, ME;
+    fmi2GetEventIndicators: INITIALIZED, ME;
 }
 
 impl Function {

@@ -143,6 +143,27 @@ mod masters {
         }
     }
 
+    /// Gears that stand take up their load, and nothing damps what they swing.
+    #[test]
+    fn a_swing_of_a_pair_that_nothing_damps_does_not_grow_in_ten_thousand_steps_under_a_master_that_is_not_known()
+     {
+        let p = Packed::with_damping(TABLES[2], 0.0).unwrap();
+        for master in [Master::Sequential, Master::Parallel] {
+            for theta in [0.0, 0.5, 1.0] {
+                let way = Way {
+                    told: Told::Automatic,
+                    master,
+                    theta,
+                    steps: ALIKE,
+                    derivatives: false,
+                };
+                let kept = swing_kept(&p, &Bodies::pair(&p), way, 10_000).unwrap();
+                let kept = kept.unwrap_or_else(|| panic!("{master:?}, {theta}: unstable"));
+                assert!(kept < 1.0, "{master:?}, {theta}: {kept}");
+            }
+        }
+    }
+
     #[test]
     fn steps_of_unequal_lengths_do_not_keep_the_master_from_being_found() {
         let p = Packed::new(TABLES[2]).unwrap();

@@ -17,16 +17,19 @@ all: build
 # Python packages under .venv.
 setup: $(VENV)/.complete
 
-$(VENV)/.complete: requirements.txt scripts/setup.sh
+# What says which packages there are.
+PACKAGES := pyproject.toml constraints.txt scripts/packages.py scripts/setup.sh
+
+$(VENV)/.complete: $(PACKAGES)
 	scripts/setup.sh
 
 # libclang, for the standard's header in tests.
-$(VENV)/.bindgen: requirements-bindgen.txt scripts/setup.sh | $(VENV)/.complete
+$(VENV)/.bindgen: $(PACKAGES) | $(VENV)/.complete
 	scripts/setup.sh --bindgen
 
 # Those that only tests use.
-$(VENV)/.tests-complete: $(VENV)/.complete $(VENV)/.bindgen requirements-test.txt
-	scripts/setup.sh requirements-test.txt
+$(VENV)/.tests-complete: $(VENV)/.complete $(VENV)/.bindgen
+	scripts/setup.sh test
 	touch $@
 
 # fmi-sim, the one simulator among them that comes as Rust; it needs bindgen, too, but cargo looks into no configuration of ours
@@ -36,8 +39,8 @@ $(VENV)/bin/fmi-sim: | $(VENV)/.bindgen
 	$(CARGO) install --quiet --locked --debug --root $(VENV) fmi-sim@0.7.0
 
 # Other simulators, for examples/drivelines and examples/hosts.
-$(VENV)/.examples-packages: $(VENV)/.tests-complete requirements-examples.txt
-	scripts/setup.sh requirements-test.txt requirements-examples.txt
+$(VENV)/.examples-packages: $(VENV)/.tests-complete
+	scripts/setup.sh test examples
 	$(VENV)/bin/python scripts/without_display.py
 	touch $@
 
@@ -48,16 +51,14 @@ $(VENV)/.examples-complete: $(VENV)/.examples-packages $(VENV)/bin/fmi-sim
 build:
 	$(CARGO) build --release --package gearmesh --package gearmesh-command
 
-# Every list of packages resolves for the lowest Python that README promises, in its first release.
+# All packages are to be had for the lowest Python that README promises, in its first release.
 LOWEST_PYTHON := $(shell sed -n 's/^- Python \([0-9.]*\) or later.*/\1.0/p' README.md)
-LISTS := $(filter-out requirements-windows.txt,$(wildcard requirements*.txt))
 .PHONY: floor
 floor: setup
-	for list in $(LISTS); do \
-	    $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --dry-run --no-deps --ignore-installed --only-binary=:all: \
-	        --python-version $(LOWEST_PYTHON) --target target/none --requirement $$list || \
-	        { echo "make: $$list does not resolve for Python $(LOWEST_PYTHON), which README promises" >&2; exit 1; } \
-	done
+	$(VENV)/bin/python scripts/packages.py > $(VENV)/all-packages.txt
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --dry-run --no-deps --ignore-installed --only-binary=:all: \
+	    --python-version $(LOWEST_PYTHON) --target target/none --requirement $(VENV)/all-packages.txt || \
+	    { echo "make: constraints.txt does not resolve for Python $(LOWEST_PYTHON), which README promises" >&2; exit 1; }
 
 # Whatever is to be had from elsewhere, so that what is missing shows before anything is compiled.
 .PHONY: packages
@@ -88,9 +89,19 @@ docs: build $(VENV)/.docs-complete
 	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --quiet --strict
 	$(VENV)/bin/python -m scripts.docs.check target/site
 
-$(VENV)/.docs-complete: $(VENV)/.complete requirements-docs.txt
-	scripts/setup.sh requirements-docs.txt
+$(VENV)/.docs-complete: $(VENV)/.complete
+	scripts/setup.sh docs
 	touch $@
+
+# Before a commit: format, clippy, unit tests, and the Python tests that take no more than a few seconds and no other simulator. Three
+# minutes once everything is compiled; `make test` runs the rest.
+EXAMPLES_TESTED := tests/python/test_drivelines.py tests/python/test_drivelines_sweep.py tests/python/test_hosts.py
+.PHONY: check
+check: tools $(VENV)/.tests-complete build
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
+	$(CARGO) test --release --workspace --lib --bins
+	$(VENV)/bin/python -m pytest -q -m "not slow" $(addprefix --ignore ,$(EXAMPLES_TESTED))
 
 # The build comes first: the tests of the command line pack the library that lies beside it.
 test: tools packages lint build docs $(VENV)/.examples-complete
@@ -152,8 +163,8 @@ release: release-tools $(VENV)/.release-complete
 	$(VENV)/bin/python -m scripts.release
 	$(VENV)/bin/python -m pytest -q tests/release
 
-$(VENV)/.release-complete: $(VENV)/.tests-complete requirements-release.txt
-	scripts/setup.sh requirements-release.txt
+$(VENV)/.release-complete: $(VENV)/.tests-complete
+	scripts/setup.sh release
 	touch $@
 
 clean:

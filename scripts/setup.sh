@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# setup.sh [LIST...] makes .venv with the pinned Python packages of requirements.txt and of further LISTs and the
-# package in python/.
+# setup.sh [GROUP...] makes .venv with the Python packages of the group `demo` of pyproject.toml and of further GROUPs, in the
+# versions of constraints.txt, and the package in python/.
 # setup.sh --bindgen makes what `cargo test` needs for bindgen: two links that .cargo/config.toml names, .venv/libclang
 # (the shared library that comes with the Python package `libclang`) and .venv/c-include (the C compiler's own headers).
 # Safe to call again.
@@ -42,16 +42,16 @@ if "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
 else
     pip=("$python" -m pip --python "$venv/bin/python")
 fi
-# The lists are complete, so that pip need not follow what a package says it may want. Python compiles what it
-# imports.
+# Groups are complete, so that pip need not follow what a package says it may want. Python compiles what it imports.
 install() {
-    "${pip[@]}" install --quiet --disable-pip-version-check --no-deps --no-compile --requirement "$1" ||
-        fail "the packages of $1 could not be installed: see pip's message above"
+    "$venv/bin/python" scripts/packages.py "$@" >"$venv/packages.txt"
+    "${pip[@]}" install --quiet --disable-pip-version-check --no-deps --no-compile --requirement "$venv/packages.txt" ||
+        fail "the packages of $* could not be installed: see pip's message above"
 }
 
 if [ "${1:-}" = --bindgen ]; then
     echo "setup: libclang into $venv, a few seconds"
-    install requirements-bindgen.txt
+    install bindgen
     native=$("$venv/bin/python" -c 'import pathlib, clang; print(pathlib.Path(clang.__file__).resolve().parent / "native")')
     headers=$(gcc -print-file-name=include)
     [ -d "$native" ] || fail "the Python package libclang brings no library for this platform: install libclang-dev and set LIBCLANG_PATH"
@@ -63,9 +63,7 @@ if [ "${1:-}" = --bindgen ]; then
 fi
 
 echo "setup: Python packages into $venv, a quarter of a minute at the first time"
-for list in requirements.txt "$@"; do
-    install "$list"
-done
+install demo "$@"
 # `import gearmesh` finds the sources; the path is relative, so that the folder may be moved.
 "$venv/bin/python" - python <<'END'
 import os, pathlib, sys, sysconfig

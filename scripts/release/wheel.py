@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import ast
 import shutil
+import tomllib
 from pathlib import Path
 
 from .platforms import Platform
 from .tools import ROOT, run
-
-SUMMARY = "Gear contact element for multibody and system simulation: tooth contact tables and an FMI 2.0 unit"
 
 # Of what the wheel holds alone: it has neither the pages nor the pair files beside the sources.
 DESCRIPTION = """\
@@ -60,11 +59,15 @@ def pack(platform: Platform, version: str, programs: Path, licenses: list[Path],
     for file in licenses:
         shutil.copy(file, about / "licenses")
     names = "".join(f"License-File: {file.name}\n" for file in licenses)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    needs = "".join(f"Requires-Dist: {needed}\n" for needed in project["dependencies"])
+    for extra, packages in project["optional-dependencies"].items():
+        needs += f"Provides-Extra: {extra}\n"
+        needs += "".join(f"Requires-Dist: {needed}; extra == '{extra}'\n" for needed in packages)
     (about / "METADATA").write_text(
-        f"Metadata-Version: 2.4\nName: gearmesh\nVersion: {version}\nSummary: {SUMMARY}\n"
-        f"License-Expression: MIT OR Apache-2.0\n{names}"
-        "Requires-Python: >=3.11\nRequires-Dist: fmpy>=0.3.20\nRequires-Dist: numpy>=1.26\n"
-        "Provides-Extra: plot\nRequires-Dist: matplotlib>=3.8; extra == 'plot'\n"
+        f"Metadata-Version: 2.4\nName: {project['name']}\nVersion: {version}\nSummary: {project['description']}\n"
+        f"License-Expression: {project['license']}\n{names}"
+        f"Requires-Python: {project['requires-python']}\n{needs}"
         "Description-Content-Type: text/markdown\n\n"
         f"{description()}"
     )

@@ -62,6 +62,7 @@ def jump(curve):
     return list(curve)[int(np.abs(np.diff(list(curve.values()))).argmax())]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coupling", ["sequential", "parallel"])
 def test_twenty_steps_a_mesh_cycle_find_both_branches_of_the_clearance_oscillator(unit, coupling):
     rising, falling = sweep(unit, coupling, 0.85, 0.92), sweep(unit, coupling, 0.92, 0.67)
@@ -71,6 +72,7 @@ def test_twenty_steps_a_mesh_cycle_find_both_branches_of_the_clearance_oscillato
     assert falling[0.85] == pytest.approx(1.539, rel=0.03)
 
 
+@pytest.mark.slow
 def test_the_loop_that_everybody_writes_first_finds_both_branches_with_what_is_packed(unit):
     loop = {"steps": 160, "late": False, "theta": 1.0}
     rising, falling = sweep(unit, "automatic", 0.85, 0.92, **loop), sweep(unit, "automatic", 0.92, 0.67, **loop)

@@ -393,6 +393,7 @@ def no_fmus(folder, fmu):
     yield folder / "bomb.fmu"
 
 
+@pytest.mark.slow
 def test_a_file_that_is_no_fmu_is_refused_by_name_and_leaves_no_files(fmu, tmp_path, unpacked):
     folder, here = tmp_path / "files", Path.cwd()
     folder.mkdir()

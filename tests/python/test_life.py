@@ -307,6 +307,7 @@ def test_what_cannot_be_instantiated_says_why(units):
     quiet.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orientation, idle", [(1, "quaternion"), (2, "angles")])
 def test_inputs_that_the_formulation_does_not_use_are_not_looked_at(mesh, orientation, idle):
     choices = {"orientationInput": orientation, "formulation": 2, "coupling": 3, "effectiveMass": 0.3}
@@ -342,6 +343,7 @@ def test_sixty_four_instances_on_eight_threads_give_what_each_gives_alone(units)
     assert together == 16 * alone and alone[0] != alone[1]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="fenv.h of glibc")
 def test_a_host_that_traps_floating_point_exceptions_or_rounds_otherwise_gets_the_same_numbers(tmp_path):
     levels = gearmesh.build(PAIRS / "palermo2013.json", tmp_path / "levels.fmu", **QUICK, **ALIGNED, friction=True, root_stress=True, teeth=True, contact=True)

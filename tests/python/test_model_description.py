@@ -110,6 +110,7 @@ def test_capabilities_fit_one_another(interface):
     assert found.get("modelIdentifier") == XML.get("modelName")
 
 
+@pytest.mark.slow
 def test_fmpy_finds_nothing(fmus):
     for name in pair_files():
         assert validate_fmu(str(fmus[name])) == [], name

@@ -69,6 +69,7 @@ def test_the_description_names_nothing_that_the_wheel_does_not_hold():
         assert place not in text, place
 
 
+@pytest.mark.slow
 def test_the_commands_and_the_script_of_the_description_run(tmp_path):
     text = description()
     (commands,) = re.findall(r"```sh\n(.*?)```", text, re.S)

@@ -70,6 +70,7 @@ def test_a_restored_state_repeats_what_followed_it(mesh, coupling):
     assert instance.vector("gear2.force") == end
 
 
+@pytest.mark.slow
 def test_what_follows_a_state_at_contact_is_the_same_each_time_it_is_restored(mesh):
     instance = mesh("external-cycle").initialize({"stiffnessModel": 3})
     run(instance, 3)
@@ -106,6 +107,7 @@ def continued(fmu, data):
     return after
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", ["external-all", "ring2-all"])
 def test_a_state_on_tables_goes_on_in_another_process(mesh, fmus, pair):
     instance = mesh(pair).initialize({"meshPhase": 0.02, "loadDependent": 0})

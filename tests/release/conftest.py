@@ -87,13 +87,13 @@ class Windows:
 
 @pytest.fixture(scope="session")
 def windows(wine, tmp_path_factory):
-    """A Python for Windows as requirements-windows.txt has it, and the wheel installed into it."""
+    """A Python for Windows as windows.txt has it, and the wheel installed into it."""
     folder = tmp_path_factory.mktemp("windows")
     (wheel,) = DIST.glob("*-win_amd64.whl")
     install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", folder]
     platform = ["--platform", "win_amd64", "--python-version", "3.11"]
-    # The one archive of the list is built by the tools of requirements-release.txt.
-    listed = ["--no-build-isolation", "--requirement", ROOT / "requirements-windows.txt"]
+    # The one archive of the list is built by the tools of the group `release`.
+    listed = ["--no-build-isolation", "--requirement", ROOT / "tests" / "release" / "windows.txt"]
     # The wheel first: both have a `bin`, and pip leaves one as it is that is there already.
     for what in ([wheel], listed):
         subprocess.run([*install, *platform, *what], check=True)

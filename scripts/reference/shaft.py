@@ -32,9 +32,8 @@ CASES = [
      "bearings": [[-60, 300], [70, 300]], "torque_end": "upper"},
 ]
 
-# inch: the intermediate shaft of Shigley's Mechanical Engineering Design, 9th ed., Examples 7-2 and 7-3, Figure 7-10: shoulders, diameters
-# between them, bearings, and each of its gears alone, an inch wide, without stiffening the shaft. The shoulders
-# stand where Euler beams give all twelve numbers that the example states within 0.04 %.
+# inch: the intermediate shaft of Shigley's Mechanical Engineering Design, 9th ed., Example 7-2, Figure 7-10: shoulders, diameters between
+# them, bearings, and each of its gears alone, an inch wide, without stiffening the shaft.
 SHOULDERS = [0, 1.25, 1.75, 3.5, 7.5, 9.75, 10.25, 11.5]
 DIAMETERS = [1, 1.4, 1.625, 2, 1.625, 1.4, 1]
 for name, middle in (("textbook, left gear", 2.75), ("textbook, right gear", 8.5)):
@@ -86,24 +85,26 @@ def mesh_of(cylinders, size):
     return grid.restrict(np.flatnonzero(np.any(inside, axis=0)))
 
 
-def solved(case, size):
-    """z along the face (mm), displacement of the axis across it (um) per kN, and rotation (mrad) per kN m."""
+def flexibility(case, size, ends):
+    """z along the face (mm), displacement of the axis across it (um per kN), rotation about it (mrad per kN m) and tilt of its sections
+    (mrad per kN, that of a rising displacement positive), a column for each load: even between two of `ends` (mm)."""
     face, root = 1e-3 * case["face"], 0.5e-3 * case["root"]
     width = 4e-3
     cylinders = [(1e-3 * low, 1e-3 * high, 0.5e-3 * diameter) for low, high, diameter in case["sections"]]
     bearings = [(1e-3 * z, 1e6 * stiff) for z, stiff in case["bearings"]]
-    # Ends of the springs are nodes.
+    bands = [(1e-3 * low, 1e-3 * high) for low, high in zip(ends, ends[1:])]
+    # Ends of the springs and of the loads are nodes.
+    places = [z + s for z, _ in bearings for s in (-width / 2, width / 2)] + [1e-3 * z for z in ends]
     split = []
     for low, high, radius in cylinders:
-        cuts = [z + s for z, _ in bearings for s in (-width / 2, width / 2) if low < z + s < high]
-        ends = [low, *sorted(cuts), high]
-        split += [(a, b, radius) for a, b in zip(ends, ends[1:])]
+        between = [low, *sorted(z for z in places if low + 1e-9 < z < high - 1e-9), high]
+        split += [(a, b, radius) for a, b in zip(between, between[1:])]
     mesh = mesh_of([*split, (0.0, face, root)], size)
     basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=5)
 
-    def surface(low, high, radius):
+    def surface(low, high):
         def there(x):
-            return (np.abs(x[0] - radius) < 1e-9) & (low < x[1]) & (x[1] < high)
+            return (np.abs(x[0] - root) < 1e-9) & (low < x[1]) & (x[1] < high)
 
         return FacetBasis(mesh, basis.elem, facets=mesh.facets_satisfying(there), intorder=5)
 
@@ -121,19 +122,28 @@ def solved(case, size):
 
     springs = csc_matrix(np.array([mean(slab(z)) for z, _ in bearings]).T)
     matrix = stiffness(basis, 1) + springs @ csc_matrix(np.diag([stiff for _, stiff in bearings])) @ springs.T
-    bent = splu(matrix.tocsc()).solve(1e3 * mean(surface(0.0, face, root)))
-    form = LinearForm(lambda v, w: v[1] / (root * face))
-    torque = 1e3 * form.assemble(surface(0.0, face, root))
+    bent = splu(matrix.tocsc()).solve(1e3 * np.array([mean(surface(*band)) for band in bands]).T)
+
+    def turning(low, high):
+        return 1e3 * LinearForm(lambda v, w: v[1] / (root * (high - low))).assemble(surface(low, high))
+
+    torque = np.array([turning(*band) for band in bands]).T
     end = min(c[0] for c in cylinders) if case["torque_end"] == "lower" else max(c[1] for c in cylinders)
     around = basis.get_dofs(elements=True).all(["u^2"])
     held = basis.get_dofs(lambda x: np.abs(x[1] - end) < 1e-9).all(["u^2"])
     free = np.setdiff1d(around, held)
-    twist = np.zeros(basis.N)
+    twist = np.zeros((basis.N, len(bands)))
     twist[free] = splu(stiffness(basis, 0)[free][:, free].tocsc()).solve(torque[free])
     line = np.flatnonzero((np.abs(mesh.p[0] - root) < 1e-9) & (mesh.p[1] > -1e-9) & (mesh.p[1] < face + 1e-9))
     line = line[np.argsort(mesh.p[1][line])]
-    u, v = basis.nodal_dofs[0][line], basis.nodal_dofs[1][line]
-    return 1e3 * mesh.p[1][line], 1e6 * 0.5 * (bent[u] - bent[v]), 1e3 * twist[v] / root
+    u, v, w = (basis.nodal_dofs[i][line] for i in range(3))
+    return 1e3 * mesh.p[1][line], 1e6 * 0.5 * (bent[u] - bent[v]), 1e3 * twist[v] / root, -1e3 * bent[w] / root
+
+
+def solved(case, size):
+    """The same under a load even over the whole face."""
+    z, across, twist, _ = flexibility(case, size, [0.0, case["face"]])
+    return z, across[:, 0], twist[:, 0]
 
 
 def main():

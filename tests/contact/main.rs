@@ -19,6 +19,7 @@ mod realistic;
 mod reference;
 mod root_stress;
 mod runtime;
+mod shaft;
 mod shipped;
 mod sliding;
 mod symmetry;

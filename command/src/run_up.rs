@@ -1,21 +1,24 @@
 //! `gearmesh run-up PAIR.fmu`: two discs through the resonances of the mesh and back, as a page.
 
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::gear::{Gear, PairGeometry};
 use gearmesh::table::TableFile;
 use gearmesh::words::{fixed, rounded, significant};
 use gearmesh_preprocessor::package::{self, Blank, Setting};
+use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::run_up::{History, RunUp, Sweep};
+use gearmesh_preprocessor::shaft::BearingShares;
 use serde_json::{Value, json};
 
 use crate::columns::{Listing, rows};
 use crate::error::Result;
 use crate::limits;
 use crate::output::{self, Job};
-use crate::page::{Curve, Figure, Height, Map, Page, Section, charts, origin};
+use crate::page::{Curve, Figure, Height, Map, Page, Section, Style, charts, origin};
 
 const RPM: f64 = TAU / 60.0;
 const SPEED: &str = "speed of gear 1 (rpm)";
@@ -63,6 +66,10 @@ pub struct RunUpCommand {
     #[arg(long, value_name = "S", value_parser = limits::within(1e-12..=1e4))]
     step_s: Option<f64>,
 
+    /// Pair file of these gears with their shafts on bearings: draws what the bearings bear
+    #[arg(long, value_name = "PAIR")]
+    shafts: Option<PathBuf>,
+
     /// Value of another parameter, such as backlash=8e-5; repeatable
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<Setting>,
@@ -91,6 +98,40 @@ fn inertia(text: &str) -> Result<f64, String> {
     (value > 0.0).then_some(value).ok_or_else(refusal)
 }
 
+/// How the bearings in the pair file at `path` share the loads on gears that are those of `geometry`.
+fn on_bearings(path: &Path, geometry: &PairGeometry) -> Result<[Option<BearingShares>; 2]> {
+    let pair = pair::read(path)?;
+    let refuse = |reason: String| Err(format!("--shafts {}: {reason}", path.display()).into());
+    let lengths = |pair: &PairGeometry| {
+        let of = |gear: &Gear| {
+            [
+                ("teeth", gear.z()),
+                ("normal module", gear.normal_module),
+                ("helix angle", gear.helix_angle),
+                ("face width", gear.face_width),
+                ("offset of the faces", gear.face_offset),
+            ]
+        };
+        let [one, two] = pair.gears.each_ref().map(of);
+        let center = [("centre distance", pair.center_distance)];
+        [&center[..], &one, &two].concat()
+    };
+    for ((name, here), (_, there)) in lengths(&pair.geometry).into_iter().zip(lengths(geometry)) {
+        if (here - there).abs() > 1e-9 * there.abs().max(1e-3) {
+            return refuse(format!(
+                "its gears are not those of the FMU: {name} {here} in SI, not {there}; give the file that the FMU was built from"
+            ));
+        }
+    }
+    if pair.shafts.iter().all(Option::is_none) {
+        return refuse(
+            "no gear has a shaft on bearings; give `shaft` with `sections` and `bearings`".into(),
+        );
+    }
+    let shares = |i: usize| BearingShares::new(pair.shafts[i].as_ref()?, &pair.geometry.gears[i]);
+    Ok([shares(0), shares(1)])
+}
+
 impl RunUpCommand {
     pub fn run(self) -> Result<()> {
         output::check_writable(&self.output, [&self.fmu])?;
@@ -109,6 +150,10 @@ impl RunUpCommand {
             .map(TableFile::from_json)
             .transpose()?;
         let geometry = &unit.geometry;
+        let shafts = match &self.shafts {
+            Some(path) => on_bearings(path, geometry)?,
+            None => [None, None],
+        };
         let bodies = || {
             geometry
                 .gears
@@ -137,7 +182,7 @@ impl RunUpCommand {
         let job = Job::new(self.quiet);
         let contact = found.contact.as_ref();
         let run = sweep
-            .run(&unit, tables.as_ref(), contact, &|share| {
+            .run(&unit, tables.as_ref(), contact, shafts, &|share| {
                 job.show("sweeping the speed", share)
             })
             .map_err(|refusal| format!("{}: {}", self.fmu.display(), refusal.message))?;
@@ -158,6 +203,28 @@ impl RunUpCommand {
             true => format!("{:#}\n", summary.json()),
             false => format!("{}\nWrote {}\n", summary.listing(), self.output.display()),
         })
+    }
+}
+
+/// Radial forces of one bearing.
+struct BearingForces {
+    gear: usize,
+    bearing: usize,
+    /// N.
+    mean: f64,
+    /// Of run-up and run-down, N, with its speed, rpm.
+    largest: [[f64; 2]; 2],
+}
+
+impl BearingForces {
+    fn name(&self) -> String {
+        format!("gear {}, bearing {}", self.gear + 1, self.bearing + 1)
+    }
+
+    fn json(&self) -> Value {
+        let way = |[force, speed]: [f64; 2]| json!({ "largest_radial_force_n": force, "largest_rpm": speed });
+        let [up, down] = self.largest.map(way);
+        json!({ "gear": self.gear + 1, "bearing": self.bearing + 1, "mean_radial_force_n": self.mean, "up": up, "down": down })
     }
 }
 
@@ -208,6 +275,31 @@ impl<'a> Summary<'a> {
         speeds_between(history, |k| history.tangential_force[k] == 0.0)
     }
 
+    /// Largest radial force of each bearing in a way, N, with the speed in rpm; the mean over both ways beside it.
+    fn bearings(&self) -> Vec<BearingForces> {
+        let largest = |history: &History, force: &[f64]| {
+            let all = force.iter().copied().enumerate();
+            let (k, force) = all.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+            [force, history.speed[k] / RPM]
+        };
+        let ways = self.ways().map(|(_, history)| history);
+        let counts = [0, 1].map(|gear| (gear, ways[0].bearing_force[gear].len()));
+        let all = counts
+            .into_iter()
+            .flat_map(|(gear, count)| (0..count).map(move |bearing| (gear, bearing)));
+        let found = all.map(|(gear, bearing)| {
+            let forces = ways.map(|history| &history.bearing_force[gear][bearing]);
+            let sum: f64 = forces.iter().map(|force| force.iter().sum::<f64>()).sum();
+            BearingForces {
+                gear,
+                bearing,
+                mean: sum / (forces[0].len() + forces[1].len()) as f64,
+                largest: [0, 1].map(|way| largest(ways[way], forces[way])),
+            }
+        });
+        found.collect()
+    }
+
     fn listing(&self) -> Listing {
         let (run, sweep) = (self.run, self.sweep);
         let [j1, j2] = sweep.inertia.map(|inertia| significant(inertia, 4));
@@ -238,12 +330,31 @@ impl<'a> Summary<'a> {
                 rows.row(
                     format!("{name}: outside the range of the tables"),
                     format!(
-                        "{:.1} % of the time, between {low:.0} and {high:.0} rpm: loads there are extrapolated; build tables for larger \
-                         loads (maximum_torque_nm)",
+                        "{:.1} % of the time, between {low:.0} and {high:.0} rpm",
                         100.0 * share
                     ),
                 );
             }
+        }
+        let ways = self.ways();
+        if ways
+            .iter()
+            .any(|(_, history)| self.out_of_range(history).is_some())
+        {
+            rows.row(
+                "loads outside the tables are extrapolated",
+                "build tables for larger loads (maximum_torque_nm)",
+            );
+        }
+        for forces in self.bearings() {
+            let [up, down] = forces.largest;
+            rows.row(
+                format!("radial force, {}", forces.name()),
+                format!(
+                    "at most {:.0} N at {:.0} rpm up, {:.0} N at {:.0} rpm down; mean {:.0} N",
+                    up[0], up[1], down[0], down[1], forces.mean
+                ),
+            );
         }
         rows
     }
@@ -263,6 +374,7 @@ impl<'a> Summary<'a> {
             "damping_ratio": sweep.damping_ratio, "damping_n_s_per_m": run.damping, "step_s": run.step, "sweep_s": run.duration,
             "natural_frequency_hz": run.natural_frequency, "resonance_rpm": run.resonance_speed / RPM,
             "up": way(&run.up), "down": way(&run.down),
+            "bearings": self.bearings().iter().map(BearingForces::json).collect::<Vec<_>>(),
         })
     }
 
@@ -282,10 +394,13 @@ impl<'a> Summary<'a> {
             let outside = |(k, (speed, swing)): (usize, &(f64, f64))| {
                 (*speed, if is_outside(k) { *swing } else { f64::NAN })
             };
-            let outside = Curve::new(
-                format!("{name}, outside the tables"),
-                swing.iter().enumerate().map(outside),
-            );
+            let outside = Curve {
+                style: Style::Dots,
+                ..Curve::new(
+                    format!("{name}, outside the tables"),
+                    swing.iter().enumerate().map(outside),
+                )
+            };
             swings.push(Curve::new(name, swing));
             swings.extend((!outside.points.is_empty()).then_some(outside));
         }
@@ -323,6 +438,9 @@ impl<'a> Summary<'a> {
             )
             .with_text(self.listing().to_string()),
         ];
+        if !self.bearings().is_empty() {
+            sections.push(self.bearing_section());
+        }
         for (name, history) in ways {
             let figures = vec![
                 orders(name, history, teeth),
@@ -338,6 +456,40 @@ impl<'a> Summary<'a> {
             sections.push(Section::new(heading, note, figures));
         }
         sections
+    }
+
+    /// Radial forces of the bearings over the speed.
+    fn bearing_section(&self) -> Section {
+        let curves = |gear: usize| {
+            let mut curves = Vec::new();
+            for (name, history) in self.ways() {
+                for (bearing, force) in history.bearing_force[gear].iter().enumerate() {
+                    let largest = history
+                        .windows(self.window)
+                        .into_iter()
+                        .map(|(speed, rows)| {
+                            (speed / RPM, force[rows].iter().copied().fold(0.0, f64::max))
+                        });
+                    curves.push(Curve::new(
+                        format!("bearing {}, {name}", bearing + 1),
+                        largest,
+                    ));
+                }
+            }
+            curves
+        };
+        let figure = |gear: usize| {
+            let curves = curves(gear);
+            (!curves.is_empty()).then(|| {
+                charts! { format!("Bearings of gear {}", gear + 1), [SPEED, "largest radial force (N)"], Height::FromZero(0.0) => curves; }
+                    .remove(0)
+            })
+        };
+        Section::new(
+            "Bearing forces",
+            "Largest radial force in a window. At each time the bearings of the pair file hold the force and moment that the mesh exerts on              its gear, without clearances; what gears and shafts weigh, and their inertia across the axes, are left out.",
+            [0, 1].into_iter().filter_map(figure).collect(),
+        )
     }
 
     /// Levels of the acceleration over speed and frequency.
@@ -407,8 +559,8 @@ fn npy(history: &History) -> Vec<u8> {
         .iter()
         .map(|out| f64::from(u8::from(*out)))
         .collect();
-    let columns: [(&str, &[f64], f64); 8] = [
-        ("time_s", &history.time, 1.0),
+    let mut columns: Vec<(String, &[f64], f64)> = [
+        ("time_s", &history.time[..], 1.0),
         ("angle_rad", &history.angle, 1.0),
         ("speed_rpm", &history.speed, 1.0 / RPM),
         ("transmission_error_um", &history.transmission_error, 1e6),
@@ -416,10 +568,20 @@ fn npy(history: &History) -> Vec<u8> {
         ("acceleration_gear1_rad_per_s2", one, 1.0),
         ("acceleration_gear2_rad_per_s2", two, 1.0),
         ("out_of_range", &outside, 1.0),
-    ];
-    let fields = columns
+    ]
+    .map(|(name, values, scale)| (name.to_owned(), values, scale))
+    .into();
+    for (gear, bearings) in history.bearing_force.iter().enumerate() {
+        for (bearing, force) in bearings.iter().enumerate() {
+            let name = format!("gear{}_bearing{}_radial_force_n", gear + 1, bearing + 1);
+            columns.push((name, force, 1.0));
+        }
+    }
+    let fields: Vec<String> = columns
+        .iter()
         .map(|(name, ..)| format!("('{name}', '<f8')"))
-        .join(", ");
+        .collect();
+    let fields = fields.join(", ");
     let rows = history.time.len();
     let mut head = format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
     // Magic, version and length take 10 bytes; the head ends on a multiple of 64 with a line break.
@@ -430,7 +592,7 @@ fn npy(history: &History) -> Vec<u8> {
     out.extend((head.len() as u16).to_le_bytes());
     out.extend(head.as_bytes());
     for i in 0..rows {
-        for (_, values, scale) in columns {
+        for (_, values, scale) in &columns {
             out.extend((values[i] * scale).to_le_bytes());
         }
     }

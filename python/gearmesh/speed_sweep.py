@@ -25,7 +25,8 @@ class RunUp:
     up, down : History
         With `transmission_error_um` on the operating pitch circle, > 0 with the drive flank compressed,
         `tangential_force_n`, `acceleration_gear1_rad_per_s2` and `acceleration_gear2_rad_per_s2` without the mean one, and
-        `out_of_range`, 1 where poses or loads lie outside the range of the tables.
+        `out_of_range`, 1 where poses or loads lie outside the range of the tables. With `shafts` also
+        `gear1_bearing1_radial_force_n` and so on.
     natural_frequency_hz, resonance_rpm
         Of both discs on the mean tangent stiffness at nominal torque, and the speed at which the mesh frequency meets it.
     damping_n_s_per_m, step_s, sweep_s
@@ -50,6 +51,7 @@ def run_up(
     *,
     sweep_s: float | None = None,
     step_s: float | None = None,
+    shafts: str | Path | None = None,
     parameters: Mapping[str, float | bool | str] | None = None,
 ) -> RunUp:
     """Sweeps the speed of two discs that an FMU couples evenly up and down again, so that both branches of a jump show.
@@ -74,6 +76,9 @@ def run_up(
     step_s
         Communication step; by default 0.07 rad of the natural frequency, or a twentieth of the shortest mesh cycle: where teeth part, the end of the upper
         branch is within a percent then.
+    shafts
+        Pair file of these gears with their shafts on bearings, whose radial forces are then among the signals: without clearances,
+        weight, and inertia across the axes.
     parameters
         Of the FMU, beside those.
 
@@ -99,7 +104,8 @@ def run_up(
             "sweep-s": [sweep_s], "step-s": [step_s],
         }  # fmt: skip
         words = [word for name, values in options.items() if values[0] is not None for word in (f"--{name}", *map(float, values))]
-        found = json.loads(run("run-up", unit, "--output", page, "--signals", signals, "--json", *words, *settings(parameters)))
+        of_shafts = [] if shafts is None else ["--shafts", shafts]
+        found = json.loads(run("run-up", unit, "--output", page, "--signals", signals, "--json", *words, *of_shafts, *settings(parameters)))
         up, down = (_history(np.load(signals / f"{name}.npy")) for name in ("up", "down"))
     share = {name: found[name]["out_of_range_share"] for name in ("up", "down")}
     if any(share.values()):

@@ -12,7 +12,7 @@ import gearmesh
 import matplotlib
 import numpy as np
 import pytest
-from conftest import ALIGNED, GEARMESH, PAIRS, QUICK, TABLES, oscillator
+from conftest import ALIGNED, GEARMESH, PAIRS, QUICK, TABLES, oscillator, pair_files
 from gearmesh import History, plots
 from gearmesh.energy import Ledger, mesh_energy, mesh_loss, wrench_residual
 from gearmesh.poses import generalised, place
@@ -150,6 +150,7 @@ def run(tmp_path_factory):
     return gearmesh.run_up(unit, INERTIAS, ZETA, TORQUE, (5000.0, 14000.0), sweep_s=2.0)
 
 
+@pytest.mark.slow
 def test_a_run_up_of_two_discs_is_that_of_the_linear_oscillator(run):
     """x'' + 2 zeta w x' + w^2 (1 + s cos) x = w^2 x0: for small s an amplitude of s x0 / |1 - r^2 + 2 i zeta r|."""
     base, pitch, mean = 38.4567147e-3, 41.052e-3, 4.9e8 * math.sqrt(1.0 - SWING**2)
@@ -177,6 +178,7 @@ def test_a_run_up_that_makes_no_sense_is_refused_by_name(fmus, wrong):
         gearmesh.run_up(fmus["external"], **arguments)
 
 
+@pytest.mark.slow
 def test_a_run_up_that_leaves_the_tables_says_so_and_shows_where(fmus, tmp_path):
     unit = gearmesh.build(PAIR, tmp_path / "pair.fmu", **ALIGNED)
     with pytest.warns(UserWarning, match="down: .* % of the time"):
@@ -186,6 +188,24 @@ def test_a_run_up_that_leaves_the_tables_says_so_and_shows_where(fmus, tmp_path)
     assert "run-down, outside the tables" in labels
     with pytest.raises(gearmesh.GearmeshError, match="'force'.*tangential_force_n"):
         gearmesh.orders(run.up, "force", [20], revolutions=1.0)
+
+
+def test_a_run_up_with_shafts_has_the_forces_of_their_bearings(fmus, tmp_path):
+    shaft = {"start_mm": -80, "torque_end": "lower", "sections": [{"diameter_mm": 30, "length_mm": 200}], "bearings": [
+        {"z_mm": z, "radial_stiffness_n_per_um": 300, "axial_stiffness_n_per_um": 100} for z in (-70, 100)
+    ]}  # fmt: skip
+    pair = pair_files()["external"]
+    path = tmp_path / "on shafts.json"
+    path.write_text(json.dumps(pair | {"gear2": pair["gear2"] | {"shaft": shaft}}))
+    sweep = {"inertias": (4e-3, 4e-3), "damping": 0.03, "torque": 100.0, "speeds": (1000.0, 1100.0), "sweep_s": 0.02}
+    run = gearmesh.run_up(fmus["external"], **sweep, shafts=path)
+    forces = [run.up[f"gear2_bearing{k}_radial_force_n"].mean() for k in (1, 2)]
+    # Each bears its part of the radial force, and one more, one less for the axial force.
+    assert "gear1_bearing1_radial_force_n" not in run.up.signals
+    whole = 100.0 / 38.4567147e-3
+    assert sum(forces) == pytest.approx(whole, rel=0.05) and min(forces) > 0.2 * whole
+    with pytest.raises(gearmesh.CommandError, match="no gear has a shaft on bearings"):
+        gearmesh.run_up(fmus["external"], **sweep, shafts=PAIR)
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,13 @@ use askama::Template;
 use super::driven::CYCLES;
 use super::dynamics::{MeshDynamics, nominal_pose};
 use super::starts::meshing_spin;
+use crate::pair::default_held_radius;
 use crate::pair::drawing::hand;
 use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{
     Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, index, index_by_name,
 };
-use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::gear::{Flank, Gear, GearKind, PairGeometry};
 use gearmesh::table::Table;
 use gearmesh::words::{fixed, rounded, significant};
 use roxmltree::{Document, Node};
@@ -123,6 +124,20 @@ impl Description<'_> {
     fn torque(&self) -> f64 {
         self.unit.start(&VARIABLES[index::NOMINAL_TORQUE])
     }
+}
+
+/// The diameter at which `gear` is held, mm, and whether it is the one that is assumed where a pair file gives none.
+fn held(gear: &Gear) -> String {
+    let assumed = (gear.held_radius / default_held_radius(gear) - 1.0).abs() < 1e-9;
+    let rule = match gear.kind {
+        GearKind::External => "half of the root diameter",
+        GearKind::Ring => "the root diameter and 7 modules",
+    };
+    let note = match assumed && gear.body.is_none() {
+        true => format!("; {rule}, as assumed where the pair file gives none"),
+        false => String::new(),
+    };
+    format!("{}{note}", significant(2e3 * gear.held_radius, 5))
 }
 
 /// The drawing of the frames of a pair, without its XML declaration.
@@ -280,6 +295,27 @@ mod tests {
         let approaches: Vec<f64> = approaches.collect();
         let [least, largest] = [f64::min, f64::max].map(|f| approaches.iter().copied().reduce(f));
         largest.unwrap() - least.unwrap()
+    }
+
+    #[test]
+    fn the_page_says_which_diameters_are_assumed() {
+        let external = crate::samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+        let assumed = |radius: f64| {
+            let gear = Gear {
+                held_radius: radius,
+                ..external.clone()
+            };
+            held(&gear).contains("assumed")
+        };
+        assert!(assumed(0.5 * external.root_radius()));
+        assert!(!assumed(0.51 * external.root_radius()));
+        let ring = crate::samples::gear(GearKind::Ring, 60, 1.0, 0.0, 0.0);
+        let root = ring.root_radius();
+        let usual = Gear {
+            held_radius: root + 3.5 * ring.normal_module,
+            ..ring
+        };
+        assert!(held(&usual).contains("7 modules"));
     }
 
     #[test]

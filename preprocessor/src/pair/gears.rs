@@ -56,23 +56,32 @@ pub(super) fn set_circles(g: &GearFile, gear: &mut Gear) {
         gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
     }
     gear.root_form_radius = g.root_form_diameter_mm.map(radius);
-    let root = gear.root_radius();
     let (held, usual) = match gear.kind {
         GearKind::External => (g.bore_diameter_mm, usual_bore(g, gear)),
-        GearKind::Ring => (g.rim_diameter_mm, root + 3.5 * gear.normal_module),
+        GearKind::Ring => (g.rim_diameter_mm, default_held_radius(gear)),
     };
     gear.held_radius = held.map_or(usual, radius);
 }
 
+/// Radius at which `gear` is held where its file says nothing of it, m.
+pub(crate) fn default_held_radius(gear: &Gear) -> f64 {
+    match gear.kind {
+        GearKind::External => 0.5 * gear.root_radius(),
+        GearKind::Ring => gear.root_radius() + 3.5 * gear.normal_module,
+    }
+}
+
 /// Radius of the bore that nothing is said of, m: that of the shaft on bearings at mid-face, unless the teeth are cut from it, else
-/// half of the root radius.
+/// the default.
 fn usual_bore(g: &GearFile, gear: &Gear) -> f64 {
     let root = gear.root_radius();
     let shaft = g.shaft.as_ref().filter(|shaft| !shaft.has_pieces());
     let diameter = shaft.and_then(|shaft| shaft.diameter_at(0.5 * g.face_width_mm));
     let radius = diameter.map(|mm| 0.5 * mm * MM);
     let leaves_a_rim = |r: &f64| *r > 0.0 && *r <= root - LEAST_RIM * gear.normal_module;
-    radius.filter(leaves_a_rim).unwrap_or(0.5 * root)
+    radius
+        .filter(leaves_a_rim)
+        .unwrap_or_else(|| default_held_radius(gear))
 }
 
 /// Usual tip radius of a tool, normal modules.

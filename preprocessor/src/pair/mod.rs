@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 pub use checks::{Refusal, Refusals, TORQUES};
 pub use drawing::Gauges;
 pub use gears::ASSUMED_HELD;
+pub(crate) use gears::default_held_radius;
 pub use mesh::LARGEST_DEFLECTION;
 pub use modifications::{modifications, topographies, topography};
 pub use text::PairError;

@@ -99,6 +99,7 @@ pub(super) fn without(file: &PairFile) -> Result<PairFile, Refusals> {
     if has_signs {
         g.profile_shift = g.profile_shift.map(|x| -x);
         g.span_teeth = g.span_teeth.map(i32::abs);
+        g.rim_diameter_mm = g.rim_diameter_mm.map(f64::abs);
     }
     let mut signed: Vec<(String, Length)> = (lengths(g).into_iter())
         .map(|(field, length)| (in_gear(ring, &field), length))

@@ -2,9 +2,11 @@
 //! byte-order mark are allowed, and what is wrong with it in the words of its author.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use serde_path_to_error::{Path, Segment};
 
 use super::checks::Refusals;
 use super::file::{FrictionFile, GearFile, OperatingFile, PairFile, ToothErrorsFile};
@@ -24,24 +26,37 @@ pub enum PairError {
         /// What the operating system says.
         source: std::io::Error,
     },
-    /// Not JSON, or JSON of another form: unknown or missing field, wrong type.
-    #[error("pair file, at `{field}`: {message}; docs/pair-file.md has every field and its form")]
-    Form {
-        /// Path of the field, such as `gear1.tip_relief.shape`; `.` is the whole file.
-        field: String,
-        /// What is wrong, the names expected, line and column.
-        message: String,
-    },
+    /// Not JSON, or JSON of another form: unknown or missing fields, wrong types, all that could be found.
+    #[error("{}; docs/pair-file.md has every field and its form", in_lines(.0))]
+    Form(Vec<Misformed>),
     /// Well-formed, but no gear pair that works.
     #[error(transparent)]
     Refused(#[from] Refusals),
 }
 
+/// A field of another form.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Misformed {
+    /// Path of the field, such as `gear1.tip_relief.shape`; `.` is the whole file.
+    pub field: String,
+    /// What is wrong, the names expected, and the place in the file.
+    pub message: String,
+}
+
+/// Each of `fields` on a line of its own.
+fn in_lines(fields: &[Misformed]) -> String {
+    let line = |of: &Misformed| format!("pair file, at `{}`: {}", of.field, of.message);
+    fields.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Most fields of another form in one message.
+const MOST_MISFORMED: usize = 20;
+
 /// Longest pair file or topography, bytes.
 const LONGEST: u64 = 4 << 20;
 
 /// The text of the file at `path`, of at most 4 MiB.
-pub(super) fn read(path: &Path) -> std::io::Result<String> {
+pub(super) fn read(path: &std::path::Path) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     // One byte more than allowed shows a longer file, even where no length is known.
     let mut file = crate::storage::open(path)?.take(LONGEST + 1);
@@ -61,7 +76,7 @@ pub(super) fn read(path: &Path) -> std::io::Result<String> {
 ///
 /// # Errors
 /// [`PairError::Read`] when the file cannot be read, else as [`parse`].
-pub(super) fn read_fields(path: &Path) -> Result<PairFile, PairError> {
+pub(super) fn read_fields(path: &std::path::Path) -> Result<PairFile, PairError> {
     let text = read(path).map_err(|source| PairError::Read {
         path: path.to_owned(),
         source,
@@ -72,7 +87,7 @@ pub(super) fn read_fields(path: &Path) -> Result<PairFile, PairError> {
 /// The fields of `text`.
 ///
 /// # Errors
-/// [`PairError::Form`] with path, line and column.
+/// [`PairError::Form`] with the path and place of each field.
 pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
     let text = &with_line_feeds(text.trim_start_matches('\u{feff}'));
     let mut plain = text.as_bytes().to_vec();
@@ -85,10 +100,132 @@ pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
         }
     }
     let mut json = serde_json::Deserializer::from_slice(&plain);
-    let file = serde_path_to_error::deserialize(&mut json)
-        .map_err(|error| form(text, &error.path().to_string(), error.inner()))?;
-    json.end().map_err(|error| form(text, ".", &error))?;
+    let file = match serde_path_to_error::deserialize(&mut json) {
+        Ok(file) => file,
+        Err(error) => return Err(PairError::Form(all_misformed(text, &plain, error))),
+    };
+    json.end()
+        .map_err(|error| PairError::Form(vec![form(text, ".", &error)]))?;
     Ok(file)
+}
+
+type FormError = serde_path_to_error::Error<serde_json::Error>;
+
+/// The `first` error of `text`, and those that are left once it is mended, one after the other. `plain` is the text without comments.
+fn all_misformed(text: &str, plain: &[u8], first: FormError) -> Vec<Misformed> {
+    let mut found = vec![form(text, &first.path().to_string(), first.inner())];
+    let Ok(mut fields) = serde_json::from_slice::<Value>(plain) else {
+        return found;
+    };
+    let mut error = first;
+    for _ in 1..MOST_MISFORMED {
+        let next = match mended(&mut fields, &error) {
+            Some(Err(next)) => next,
+            Some(Ok(_)) | None => break,
+        };
+        let field = next.path().to_string();
+        let mut more = form(text, &field, next.inner());
+        let line = line_of(plain, next.path());
+        more.message = format!("{} (line {line})", more.message);
+        // A required value that had to be taken out is missing then.
+        if found.iter().all(|known| known.field != more.field) {
+            found.push(more);
+        }
+        error = next;
+    }
+    found
+}
+
+/// `fields` as a pair file after `error` has been taken out of them, with the next error; None where that cannot be done.
+fn mended(fields: &mut Value, error: &FormError) -> Option<Result<PairFile, FormError>> {
+    let said = error.inner().to_string();
+    let quoted: Vec<&str> = said.split('`').skip(1).step_by(2).collect();
+    let steps = pointer(error.path());
+    let [given, known @ ..] = &quoted[..] else {
+        return with_another_value(fields, &steps, &[]);
+    };
+    if said.starts_with("missing field") {
+        return with_another_value(fields, &[&steps[..], &[(*given).to_owned()]].concat(), &[]);
+    }
+    if !said.starts_with("unknown field") {
+        return with_another_value(fields, &steps, known);
+    }
+    let (last, group) = steps.split_last()?;
+    let group = fields.pointer_mut(&joined(group))?.as_object_mut()?;
+    let value = group.remove(last)?;
+    // A slip of the pen has a value of the right form, and leaves no required field out.
+    if let Some(meant) = nearest(given, known).filter(|meant| !group.contains_key(*meant)) {
+        group.insert(meant.to_owned(), value);
+    }
+    Some(serde_path_to_error::deserialize(&*fields))
+}
+
+/// `fields` with a value at `at` that has the right form, one of `known` names, or without any there: the first that leads to no error
+/// there.
+fn with_another_value(
+    fields: &mut Value,
+    at: &[String],
+    known: &[&str],
+) -> Option<Result<PairFile, FormError>> {
+    let (last, group) = at.split_last()?;
+    let stands_at = |error: &FormError| {
+        let said = error.inner().to_string();
+        let mut there = pointer(error.path());
+        if said.starts_with("missing field") {
+            there.extend(said.split('`').nth(1).map(str::to_owned));
+        }
+        there.starts_with(at)
+    };
+    let group = joined(group);
+    let mut values = vec![json!(1), json!(true), json!([0, 1]), json!("name")];
+    values.extend(known.iter().map(|name| json!(name)));
+    if let Value::Array(list) = fields.pointer(&group)? {
+        // Another entry of the list has the right form, or its error has been named.
+        values.extend(list.iter().find(|value| value.is_object()).cloned());
+    }
+    for value in values.into_iter().map(Some).chain([None]) {
+        match (fields.pointer_mut(&group)?, value) {
+            (Value::Object(group), Some(value)) => drop(group.insert(last.clone(), value)),
+            (Value::Object(group), None) => drop(group.remove(last)),
+            (Value::Array(list), Some(value)) => {
+                *list.get_mut(last.parse::<usize>().ok()?)? = value;
+            }
+            _ => return None,
+        }
+        match serde_path_to_error::deserialize(&*fields) {
+            Err(error) if stands_at(&error) => (),
+            read => return Some(read),
+        }
+    }
+    None
+}
+
+/// The steps of `path` into the fields.
+fn pointer(path: &Path) -> Vec<String> {
+    let step = |segment: &Segment| match segment {
+        Segment::Map { key } => Some(key.clone()),
+        Segment::Seq { index } => Some(index.to_string()),
+        Segment::Enum { .. } | Segment::Unknown => None,
+    };
+    path.iter().filter_map(step).collect()
+}
+
+fn joined(steps: &[String]) -> String {
+    let escaped = |step: &String| format!("/{}", step.replace('~', "~0").replace('/', "~1"));
+    steps.iter().map(escaped).collect()
+}
+
+/// Line of `plain` on which the last name of `path` stands that is found after the names before it.
+fn line_of(plain: &[u8], path: &Path) -> usize {
+    let text = String::from_utf8_lossy(plain);
+    let mut at = 0;
+    for segment in path.iter() {
+        if let Segment::Map { key } = segment {
+            let name = Value::from(key.as_str()).to_string();
+            at = text[at..].find(&name).map_or(at, |further| at + further);
+        }
+    }
+    text[..at].matches('\n').count() + 1
 }
 
 /// `text` with a line feed in place of each carriage return that ends a line alone, as old editors write them: a comment
@@ -99,7 +236,7 @@ fn with_line_feeds(text: &str) -> String {
 }
 
 /// The error in plain words, with the path of its field and the text about its place.
-fn form(text: &str, path: &str, error: &serde_json::Error) -> PairError {
+fn form(text: &str, path: &str, error: &serde_json::Error) -> Misformed {
     let (line, column) = (error.line(), error.column());
     let error = error.to_string();
     let said = error.split(" at line ").next().unwrap_or(&error);
@@ -129,7 +266,7 @@ fn form(text: &str, path: &str, error: &serde_json::Error) -> PairError {
         .collect();
     let about = shown(about.trim());
     let place = format!(" (line {line}, column {column}: {about})");
-    PairError::Form {
+    Misformed {
         field: shown(&field),
         message: if line == 0 { message } else { message + &place },
     }

@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::package::{Driven, SEQUENTIAL};
+use crate::shaft::BearingShares;
 use gearmesh::contact::ContactFile;
 use gearmesh::fmi::Refusal;
 use gearmesh::fmi::resources::{Resources, UnitFile};
@@ -51,6 +52,8 @@ pub struct History {
     pub acceleration: [Vec<f64>; 2],
     /// `mesh.outOfRange`: pose or load outside the range of the tables.
     pub out_of_range: Vec<bool>,
+    /// Radial force of each bearing of both gears, N, where their shafts are known.
+    pub bearing_force: [Vec<Vec<f64>>; 2],
 }
 
 /// Both ways, and what they were made with.
@@ -98,7 +101,8 @@ impl Sweep {
             .sum::<f64>()
     }
 
-    /// Sweeps an FMU of these resources; `progress` gets the share that is done.
+    /// Sweeps an FMU of these resources; `progress` gets the share that is done. The bearings of `shafts` hold at each time the loads of
+    /// the mesh; masses that move across the axes are left out.
     ///
     /// # Errors
     /// Numbers out of range, and poses that the FMU refuses, with its reason.
@@ -107,6 +111,7 @@ impl Sweep {
         unit: &UnitFile,
         tables: Option<&TableFile>,
         contact: Option<&ContactFile>,
+        shafts: [Option<BearingShares>; 2],
         progress: &dyn Fn(f64),
     ) -> Result<RunUp, Refusal> {
         let geometry = &unit.geometry;
@@ -134,6 +139,7 @@ impl Sweep {
         let resources = Resources::new(unit, tables.cloned(), contact.cloned());
         let resources = resources.map_err(Refusal::error)?;
         let mut discs = Discs::new(&Arc::new(resources), self, stiffness, pitch, step)?;
+        discs.shafts = shafts;
         // The start is an equilibrium of the mean stiffness alone.
         let settle = match self.damping_ratio > 0.0 {
             true => duration.min(8.0 / (self.damping_ratio * omega)),
@@ -211,7 +217,31 @@ struct Discs {
     angle: f64,
     offset: [f64; 2],
     rate: [f64; 2],
+    shafts: [Option<BearingShares>; 2],
 }
+
+/// Force and moment on each gear.
+const WRENCHES: [[usize; 6]; 2] = {
+    use index::*;
+    [
+        [
+            GEAR1_FORCE_1,
+            GEAR1_FORCE_2,
+            GEAR1_FORCE_3,
+            GEAR1_MOMENT_1,
+            GEAR1_MOMENT_2,
+            GEAR1_MOMENT_3,
+        ],
+        [
+            GEAR2_FORCE_1,
+            GEAR2_FORCE_2,
+            GEAR2_FORCE_3,
+            GEAR2_MOMENT_1,
+            GEAR2_MOMENT_2,
+            GEAR2_MOMENT_3,
+        ],
+    ]
+};
 
 impl Discs {
     fn new(
@@ -237,6 +267,7 @@ impl Discs {
             angle: 0.0,
             offset,
             rate: [0.0; 2],
+            shafts: [None, None],
         })
     }
 
@@ -276,6 +307,18 @@ impl Discs {
                 index::MESH_OUT_OF_RANGE,
             ])?;
             let moments = [moment1, moment2];
+            for (gear, shaft) in self.shafts.iter().enumerate() {
+                let Some(shaft) = shaft else { continue };
+                let [fx, fy, fz, mx, my, mz] = self.driven.read(WRENCHES[gear])?;
+                let forces = shaft.radial_forces([fx, fy, fz], [mx, my, mz]);
+                let of_gear = &mut history.bearing_force[gear];
+                for (bearing, force) in forces.enumerate() {
+                    if of_gear.len() == bearing {
+                        of_gear.push(Vec::with_capacity(count));
+                    }
+                    of_gear[bearing].push(force);
+                }
+            }
             history.time.push(time);
             history.angle.push(angles[0]);
             history.speed.push(rates[0]);
@@ -324,7 +367,7 @@ mod tests {
 
     fn run(sweep: &Sweep) -> Result<RunUp, Refusal> {
         let tables = shipped_tables("palermo2013");
-        sweep.run(&unit(&tables), Some(&tables), None, &|_| {})
+        sweep.run(&unit(&tables), Some(&tables), None, [None, None], &|_| {})
     }
 
     #[test]
@@ -349,6 +392,68 @@ mod tests {
     }
 
     #[test]
+    fn bearings_bear_on_average_what_the_mean_torque_loads_them_with() {
+        let tables = shipped_tables("palermo2013");
+        // Gear 1 in the middle between two bearings, and beside both of them.
+        for (places, shares) in [
+            ([-0.05, 0.075], [0.5, 0.5]),
+            ([-0.15, -0.05], [0.625, 1.625]),
+        ] {
+            let bearing = |z| gearmesh::pair::Bearing {
+                z,
+                radial_stiffness: 1e9,
+                axial_stiffness: 1e8,
+                tilt_stiffness: 0.0,
+                free_radius: 0.0,
+            };
+            let shaft = gearmesh::pair::Shaft {
+                start: -0.15,
+                sections: vec![gearmesh::pair::ShaftSection {
+                    radii: [0.0, 0.015],
+                    length: 0.25,
+                }],
+                bearings: places.map(bearing).into(),
+                torque_at_upper_end: false,
+                youngs_modulus: 206e9,
+                poisson_ratio: 0.3,
+                seat: [0.0, 0.025],
+                seat_radius: 0.015,
+            };
+            let geometry = &tables.geometry;
+            let shares_of_shaft = BearingShares::new(&shaft, &geometry.gears[0]);
+            let run = SWEEP
+                .run(
+                    &unit(&tables),
+                    Some(&tables),
+                    None,
+                    [shares_of_shaft, None],
+                    &|_| {},
+                )
+                .unwrap();
+            let force = 100.0 / geometry.gears[0].base_radius();
+            // The axial force on the pitch radius adds to the moment.
+            let lean = geometry.base_helix_angle().tan();
+            let span = places[1] - places[0];
+            let couple = force * lean * 0.5 * 82.104e-3 / span;
+            let phi = geometry.operating_pressure_angle(geometry.center_distance);
+            for (k, share) in shares.into_iter().enumerate() {
+                let radial = [1.0, -1.0].map(|sign| {
+                    let x = force * share * phi.sin() + sign * couple;
+                    x.hypot(force * share * phi.cos())
+                });
+                let history = &run.up.bearing_force[0][k];
+                let half = &history[history.len() / 2..];
+                let mean = half.iter().sum::<f64>() / half.len() as f64;
+                assert!(
+                    radial.iter().any(|right| (mean / right - 1.0).abs() < 0.02),
+                    "{k}: {mean} {radial:?}"
+                );
+            }
+            assert!(run.up.bearing_force[1].is_empty());
+        }
+    }
+
+    #[test]
     fn a_constant_stiffness_rings_at_its_natural_frequency() {
         let tables = shipped_tables("palermo2013");
         let mut unit = unit(&tables);
@@ -359,7 +464,7 @@ mod tests {
             ..SWEEP
         };
         let resources = Arc::new(Resources::new(unit.clone(), None, None).unwrap());
-        let run = sweep.run(&unit, None, None, &|_| {}).unwrap();
+        let run = sweep.run(&unit, None, None, [None, None], &|_| {}).unwrap();
         // Let go without load, both discs swing about the equilibrium.
         let pitch: [f64; 2] = [0.5 * 82.104e-3; 2];
         let stiffness =

@@ -418,6 +418,61 @@ impl Side {
     }
 }
 
+/// How the bearings of a shaft share force and moment on its gear, without clearances. Of two bearings that do not resist tilting this
+/// is statics, and clearances change nothing.
+#[derive(Debug, Clone)]
+pub struct BearingShares {
+    /// Of each bearing, per N along x, y and z and per N m about x and y, at mid-face on the axis.
+    shares: Vec<[BearingLoad; 5]>,
+    /// z of mid-face from the gear's own z = 0 face, m.
+    middle: f64,
+}
+
+impl BearingShares {
+    /// Of `shaft` with `gear` on it; None where the bearings do not hold it.
+    pub fn new(shaft: &Shaft, gear: &Gear) -> Option<BearingShares> {
+        let middle = 0.5 * gear.face_width;
+        let beam = Beam::new(shaft, gear, &[middle])?;
+        let node = nearest(&beam.z, middle);
+        let mut shares = vec![[BearingLoad::default(); 5]; shaft.bearings.len()];
+        for part in 0..5 {
+            let mut loads = vec![AtNode::default(); beam.z.len()];
+            match part {
+                0..=2 => loads[node].linear[part] = 1.0,
+                _ => loads[node].angular[part - 3] = 1.0,
+            }
+            let (_, bearings) = beam.solve_linear(&loads);
+            for (share, bearing) in shares.iter_mut().zip(bearings) {
+                share[part] = bearing;
+            }
+        }
+        Some(BearingShares { shares, middle })
+    }
+
+    /// Radial force of each bearing, N, under `force` (N) and `moment` (N m) on the gear, about the point of its axis in its z = 0 face.
+    pub fn radial_forces(
+        &self,
+        force: [f64; 3],
+        moment: [f64; 3],
+    ) -> impl Iterator<Item = f64> + '_ {
+        let [fx, fy, fz] = force;
+        let parts = [
+            fx,
+            fy,
+            fz,
+            moment[0] + self.middle * fy,
+            moment[1] - self.middle * fx,
+        ];
+        self.shares.iter().map(move |share| {
+            let along = |axis: usize| -> f64 {
+                let of = share.iter().zip(parts);
+                of.map(|(bearing, part)| bearing.linear[axis] * part).sum()
+            };
+            along(0).hypot(along(1))
+        })
+    }
+}
+
 /// Whether the bearings of `shaft` hold it with `gear`, to the precision of numbers.
 pub fn is_held(shaft: &Shaft, gear: &Gear) -> bool {
     Beam::new(shaft, gear, &[]).is_some()

@@ -87,12 +87,80 @@ fn a_file_that_cannot_be_read_is_named_with_the_reason() {
     }
 }
 
-/// Field and message of text that is no pair file.
-fn form(text: &str) -> (String, String) {
+/// Fields and messages of text that is no pair file.
+fn forms(text: &str) -> Vec<(String, String)> {
     match from_json(text) {
-        Err(PairError::Form { field, message }) => (field, message),
+        Err(PairError::Form(all)) => all
+            .into_iter()
+            .map(|one| (one.field, one.message))
+            .collect(),
         other => panic!("{other:?}"),
     }
+}
+
+/// The first of them.
+fn form(text: &str) -> (String, String) {
+    forms(text).swap_remove(0)
+}
+
+#[test]
+fn all_fields_of_another_form_are_named_at_once_with_their_lines() {
+    let text = r#"{
+  "name": "many slips",
+  "meshing": "extern",
+  "modul_mm": "4",
+  "normal_pressure_angle_deg": 20,
+  "helix_angle": 13,
+  "gear1": {
+    "teeth": 20.5, "face_width_mm": 25,
+    "tip_relief": { "amount_um": "10", "start": "pitch", "shape": "parabolic" },
+    "colour": "blue"
+  },
+  "gear2": {
+    "teeth": 30,
+    "face_width_mm": [25],
+    "shaft": { "start_mm": -50, "torque_end": "left", "sections": [ { "diameter": 30, "length_mm": 80 }, 7 ],
+      "bearings": [ { "z_mm": "a", "radial_stiffness_n_per_um": 100 } ] }
+  },
+  "operating": { "nominal_torque_nm": 100, "maximum_torque_nm": true, "center_distance_offset_um": 5, "misalignment_mrad": [-1, 1] }
+}"#;
+    let found = forms(text);
+    let fields: Vec<&str> = found.iter().map(|(field, _)| field.as_str()).collect();
+    for field in [
+        "meshing",
+        "modul_mm",
+        "normal_module_mm",
+        "helix_angle",
+        "gear1.teeth",
+        "gear1.tip_relief.amount_um",
+        "gear1.colour",
+        "gear2.face_width_mm",
+        "gear2.shaft.torque_end",
+        "gear2.shaft.sections[0].diameter",
+        "gear2.shaft.bearings[0].z_mm",
+        "operating.maximum_torque_nm",
+        "operating.center_distance_offset_um",
+    ] {
+        let of = found.iter().find(|(found, _)| found == field);
+        let (_, message) = of.unwrap_or_else(|| panic!("{field} is not among {fields:?}"));
+        let name = field.rsplit(['.', ']']).next().unwrap();
+        let lines: Vec<usize> = (text.lines().enumerate())
+            .filter(|(_, line)| line.contains(name))
+            .map(|(k, _)| k + 1)
+            .collect();
+        // What was misspelt has the right name by then.
+        let is_placed = lines
+            .iter()
+            .any(|line| message.contains(&format!("line {line}")));
+        assert!(is_placed || lines.is_empty(), "{field}: {message}");
+    }
+    // What follows from another slip is not named.
+    assert!(
+        found
+            .iter()
+            .all(|(_, message)| !message.contains("missing")),
+        "{found:#?}"
+    );
 }
 
 #[test]

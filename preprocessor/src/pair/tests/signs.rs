@@ -106,6 +106,12 @@ fn a_ring_in_the_signs_of_iso_21771_is_the_same_pair_bit_for_bit_in_every_quanti
             let right = format!("{:?}", pair(&own, "{}"));
             let mut signed = signed(&own, "gear1", true);
             assert_eq!(format!("{:?}", pair(&signed, "{}")), right, "{signed}");
+            let rim = patched(&signed, r#"{"gear1": {"rim_diameter_mm": -192}}"#);
+            let unsigned = patched(&signed, r#"{"gear1": {"rim_diameter_mm": 192}}"#);
+            assert_eq!(
+                format!("{:?}", pair(&rim, "{}")),
+                format!("{:?}", pair(&unsigned, "{}"))
+            );
             signed = patched(&signed, r#"{"gear1": {"rim_diameter_mm": null}}"#);
             assert_eq!(pair(&signed, "{}").geometry.ring(), Some(0));
         }

@@ -487,7 +487,7 @@ impl<'a> Summary<'a> {
         };
         Section::new(
             "Bearing forces",
-            "Largest radial force in a window. At each time the bearings of the pair file hold the force and moment that the mesh exerts on              its gear, without clearances; what gears and shafts weigh, and their inertia across the axes, are left out.",
+            "Largest radial force in a window. At each time the bearings of the pair file hold the force and moment that the mesh exerts on its gear, without clearances; what gears and shafts weigh, and their inertia across the axes, are left out.",
             [0, 1].into_iter().filter_map(figure).collect(),
         )
     }

@@ -33,7 +33,7 @@ from .pair import GearPair
 from .plots import plot_campbell, plot_cycle, plot_orders, plot_run_up
 from .speed_sweep import RunUp, run_up
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "Campbell", "CommandError", "GearPair", "GearPairError", "GearmeshError", "Geometry", "History", "Inspection", "MeshCycle", "Orders",
     "RunUp", "Statistics", "StudyResult", "Turning", "build", "campbell", "cosimulate", "decibels", "inspect", "integrate", "orders", "pack",

@@ -31,6 +31,7 @@ from pathlib import Path
 
 import numpy as np
 
+from reference.deformed import Deformed
 from reference.flank_mesh import FlankMesh, Mesh
 from reference.pair import Pair
 
@@ -275,6 +276,41 @@ def family(cases, positions, layers=None, mesh=Mesh(), offset=0.0, parts=2, limi
         write(out)
 
 
+def deformed(name, title, pair, teeth, meshes, large, loads, positions):
+    """A case with finite rotations; gear 1 and gear 2 turn alike, and the torque is the mean of both, as in the product. Loads ascend."""
+    case = dict(title=title, pair=pair, plane_strain=True, both_turn=True, center_distance_offset_um=0.0, loads=loads, positions=[])
+    contact, b = Deformed(pair, teeth, meshes, large), pair["gear1"]["face_width_mm"]
+    for position in positions:
+        contact.forget()
+        row = dict(mesh_position=position, ste_um=[], contact_z_mm=[0.5 * b] * len(loads), flank_pressure_mpa=[], edge_share=[])
+        for torque, _ in loads:
+            total = 1e3 * torque / contact.pair.gears[0].rb
+            approach, force, each = contact.solve(position, total, complementarity)
+            row["ste_um"].append(round(float(1e3 * approach), 4))
+            row["flank_pressure_mpa"].append(largest_pressure(force / b, each))
+            row["edge_share"].append(round(float(sum(f for f, e in zip(force, each) if e["edge"]) / force.sum()), 3))
+        case["positions"].append(row)
+        print(name, row, file=sys.stderr, flush=True)
+        write({name: case})
+
+
+def largest_pressure(line_load, each):
+    """As `Contact.peak`, in plane strain: None where the largest is next to an edge or less than `CELLS` cells wide."""
+    largest, beside_edge, cells = 0.0, 0.0, 0.0
+    for tooth in {e["tooth"] for e in each}:
+        on = [i for i, e in enumerate(each) if e["tooth"] == tooth and line_load[i] > 0]
+        if not on:
+            continue
+        w, s, length = line_load[on], *(np.array([each[i][key] for i in on]) for key in ("arc", "length"))
+        half_width = 2 * np.sqrt(w @ ((s - w @ s / w.sum()) ** 2 + length**2 / 12) / w.sum())
+        pressure = 2 * w.sum() / (np.pi * half_width)
+        if any(each[i]["edge"] for i in on):
+            beside_edge = max(beside_edge, pressure)
+        elif pressure > largest:
+            largest, cells = pressure, 2 * half_width / length.max()
+    return round(float(largest), 1) if largest > beside_edge and cells > CELLS else None
+
+
 def write(found):
     """Adds cases to the file, in the order of their positions."""
     for case in found.values():
@@ -329,8 +365,28 @@ def torques(*values):
 
 CYCLE = torques(50.0, 100.0, 200.0) + [(100.0, -1.0), (100.0, 1.0)]
 
+# The wheel of a published pair of steel and plastic.
+PLASTIC = dict(name="plastic", meshing="external", normal_module_mm=1.0, normal_pressure_angle_deg=20.0, helix_angle_deg=0.0, center_distance_mm=52.0,
+               gear1=dict(teeth=51, profile_shift=-0.203, face_width_mm=10.0, tool_tip_radius_coefficient=0.2, bore_diameter_mm=30.0),
+               gear2=dict(teeth=52, profile_shift=0.0117, face_width_mm=10.0, tool_tip_radius_coefficient=0.2, bore_diameter_mm=36.2, youngs_modulus_gpa=2.282),
+               operating=dict(nominal_torque_nm=5.0, maximum_torque_nm=10.5, center_distance_offset_um=[0.0, 0.0], misalignment_mrad=[0.0, 0.0]))
+# A case-hardened first stage of a car: sigma_H0 of ISO 6336-2 is 1480 MPa.
+CAR = dict(name="car pinion", meshing="external", normal_module_mm=2.0, normal_pressure_angle_deg=20.0, helix_angle_deg=0.0, center_distance_mm=60.0,
+           gear1=dict(teeth=17, profile_shift=0.3, face_width_mm=20.0, bore_diameter_mm=18.0,
+                      tip_relief=dict(amount_um=25.0, start=dict(diameter_mm=37.4), shape="parabolic")),
+           gear2=dict(teeth=43, profile_shift=-0.3, face_width_mm=20.0, bore_diameter_mm=40.0,
+                      tip_relief=dict(amount_um=25.0, start=dict(diameter_mm=86.9), shape="parabolic")),
+           operating=dict(nominal_torque_nm=100.0, maximum_torque_nm=100.0, center_distance_offset_um=[0.0, 0.0], misalignment_mrad=[0.0, 0.0]))
+
 # Equal gears without misalignment: the other half of the cycle mirrors this one.
 FAMILIES = {
+    "plastic": lambda: deformed(
+        "plastic", "spur 51/52, steel on plastic, finite rotations, plane strain", PLASTIC, range(-3, 4),
+        [Mesh(cell=0.05, side=6, across=6, edge=0.01), Mesh(cell=0.03, side=6, across=8, edge=0.006)], [False, True], torques(1.0, 4.0, 10.0),
+        [0.0, 0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875] + [i / 16 for i in range(1, 16, 2)]),
+    "car-pinion": lambda: family(
+        [("car-pinion", "spur 17/43, tip relief, sigma_H0 1480 MPa, plane strain", CAR, torques(50.0, 100.0))],
+        [0.0, 0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875], mesh=FLAT, limit=0.08),
     "relief": lambda: family(
         [(f"relief-{n}", f"spur 20/20, {n} um of tip relief over a fifth of the path, plane strain", spur(**late_relief(n)), torques(25.0, 50.0, 100.0, 200.0))
          for n in (8, 25, 30)], [i / 32 for i in range(17)], mesh=FLAT),

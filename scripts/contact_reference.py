@@ -1,4 +1,5 @@
-"""Loaded tooth contact of gear pairs by finite elements, apart from the program: writes tests/data/contact_reference.json.
+"""Loaded tooth contact of gear pairs by finite elements, apart from the program: writes tests/data/contact_reference.json, and
+plastic_reference.json with the method of reference/deformed.py.
 
     pip install numpy scipy pypardiso
     python scripts/contact_reference.py [CASE ...]      # into the file, case by case; all of them take hours
@@ -31,11 +32,12 @@ from pathlib import Path
 
 import numpy as np
 
+from reference import deformed as finite
 from reference.deformed import Deformed
 from reference.flank_mesh import FlankMesh, Mesh
 from reference.pair import Pair
 
-OUTPUT = Path(__file__).parent.parent / "tests/data/contact_reference.json"
+DATA = Path(__file__).parent.parent / "tests/data"
 GAUSS = 4  # points along the flank of a face, 3 along the width
 CELLS = 6  # across a contact, so that its spread tells its pressure
 
@@ -291,7 +293,7 @@ def deformed(name, title, pair, teeth, meshes, large, loads, positions):
             row["edge_share"].append(round(float(sum(f for f, e in zip(force, each) if e["edge"]) / force.sum()), 3))
         case["positions"].append(row)
         print(name, row, file=sys.stderr, flush=True)
-        write({name: case})
+        write({name: case}, "plastic_reference.json", finite.__doc__)
 
 
 def largest_pressure(line_load, each):
@@ -311,13 +313,14 @@ def largest_pressure(line_load, each):
     return round(float(largest), 1) if largest > beside_edge and cells > CELLS else None
 
 
-def write(found):
-    """Adds cases to the file, in the order of their positions."""
+def write(found, name="contact_reference.json", description=__doc__):
+    """Adds cases to the file `name`, in the order of their positions."""
+    output = DATA / name
     for case in found.values():
         case["positions"].sort(key=lambda row: row["mesh_position"])
-    known = json.loads(OUTPUT.read_text())["cases"] if OUTPUT.exists() else {}
-    text = json.dumps(dict(description=" ".join(__doc__.split()), cases={**known, **found}))
-    OUTPUT.write_text(text.replace('{"mesh_position"', '\n {"mesh_position"').replace('{"title"', '\n{"title"') + "\n")
+    known = json.loads(output.read_text())["cases"] if output.exists() else {}
+    text = json.dumps(dict(description=" ".join(description.split()), cases={**known, **found}))
+    output.write_text(text.replace('{"mesh_position"', '\n {"mesh_position"').replace('{"title"', '\n{"title"') + "\n")
 
 
 FLAT = replace(Mesh(), cell=0.012, band=70, side=16, across=18, body=10)

@@ -55,6 +55,37 @@ fn tangents_are_the_derivatives_of_load_and_moment() {
 }
 
 #[test]
+fn forces_of_segments_change_with_approach_and_misalignment_by_their_slopes() {
+    let (soft, _) = super::reference::reference("plastic");
+    let torque = 0.5 * soft.operating.nominal_torque;
+    let soft_solver = coarse_solver(&soft, with_stations(8));
+    let mut solved: Vec<_> = shipped()
+        .map(|(pair, solver)| (points(&pair)[1], solver))
+        .collect();
+    solved.push(([0.25, 0.0, torque], soft_solver.clone()));
+    solved.push(([0.55, 0.0, torque], soft_solver));
+    for ([tau, m, torque], solver) in solved {
+        let problem = solver.position(Flank::Drive, tau, 0.0).unwrap();
+        let here = problem.solve_torque(torque, m, None).unwrap();
+        let d = 1e-4 * (here.approach - problem.no_load_approach(m));
+        let dm = d / 10e-3;
+        for (number, [d, dm], step) in [(0, [d, 0.0], d), (1, [0.0, dm], dm)] {
+            let [a, b] = [1.0, -1.0].map(|side| {
+                let (approach, tilt) = (here.approach + side * d, m + side * dm);
+                problem.solve_approach(approach, tilt, Some(&here)).unwrap()
+            });
+            let largest = here.segments.iter().map(|s| s.slopes[number].abs());
+            let largest = largest.fold(0.0, f64::max);
+            for (i, segment) in here.segments.iter().enumerate() {
+                let found = (a.segments[i].force - b.segments[i].force) / (2.0 * step);
+                let error = (segment.slopes[number] - found) / largest;
+                assert!(error.abs() < 5e-3, "{tau} {number} {i}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
 fn load_rises_with_the_approach_from_zero_at_first_touch() {
     for (pair, solver) in shipped() {
         for [tau, m, torque] in points(&pair) {

@@ -9,9 +9,10 @@ fn peak_to_peak(values: &[f64]) -> f64 {
 }
 
 /// Pair and data of a case of `scripts/contact_reference.py`, or of those of the second program.
-fn reference(name: &str) -> (Pair, Value) {
+pub fn reference(name: &str) -> (Pair, Value) {
     let text = match name {
         "solid-20-20" | "solid-16-24" => include_str!("../data/solid_spur.json"),
+        "plastic" => include_str!("../data/plastic_reference.json"),
         _ => include_str!("../data/contact_reference.json"),
     };
     let all: Value = serde_json::from_str(text).unwrap();
@@ -19,13 +20,13 @@ fn reference(name: &str) -> (Pair, Value) {
     (pair::from_json(&case["pair"].to_string()).unwrap(), case)
 }
 
-/// The reference holds gear 2 and turns gear 1 under its own torque. Where tip edges bear, that is half of the approach on from the mesh
-/// position at which both gears have turned by half of it, and the torques are not in the ratio of the base radii.
+/// The reference holds gear 2 and turns gear 1 under its own torque, unless both turn as they do here (`both_turn`). Where tip edges bear,
+/// that is half of the approach on from the mesh position at which both gears have turned by half of it, and the torques are not in the ratio of the base radii.
 ///
-/// Every load of the case at every position: the transmission error within the part `each` of it and its mean within the part
-/// `of_mean`, its peak-to-peak value within 2 % or 0.05 um beside the error of the reference that it shows itself, z_c within 0.05 mm
+/// Every load of the case up to the torque `most`, N m, at every position: the transmission error within the part `each` of it and its mean within the part
+/// `of_mean`, its peak-to-peak value within the part `of_swing` or 0.05 um beside the error of the reference that it shows itself, z_c within 0.05 mm
 /// and the flank pressure within 3 %.
-fn agrees(name: &str, each: f64, of_mean: f64) {
+fn agrees(name: &str, most: f64, [each, of_mean, of_swing]: [f64; 3]) {
     let (pair, case) = reference(name);
     let plane_strain = case["plane_strain"] == true;
     let settings = Settings {
@@ -49,7 +50,7 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
         // Along the path alone both conventions are one.
         let is_own = |r: &ContactResult| (r.torque_forces[0] / r.loa_force - 1.0).abs() < 1e-9;
         for _ in 0..4 {
-            if is_own(&result) {
+            if case["both_turn"] == true || is_own(&result) {
                 break;
             }
             problem_there = problem(position + 0.5 * result.approach / pair.geometry.base_pitch());
@@ -62,6 +63,9 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
     };
     for (i, load) in loads.iter().enumerate() {
         let [torque, tilt] = [0, 1].map(|k| number(&load[k]));
+        if torque > most {
+            continue;
+        }
         let (mut found, mut known) = (vec![], vec![]);
         for at in positions {
             let result = of_gear1(number(&at["mesh_position"]), torque, 1e-3 * tilt);
@@ -95,7 +99,7 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
             _ => 0.0,
         };
         let [spread, expected] = [&found, &known].map(|values| peak_to_peak(values));
-        let bound = (0.02 * expected).max(0.05) + apart;
+        let bound = (of_swing * expected).max(0.05) + apart;
         let what = format!("{name} under {load}: peak to peak");
         assert!(
             (spread - expected).abs() < bound,
@@ -106,10 +110,15 @@ fn agrees(name: &str, each: f64, of_mean: f64) {
 
 /// Of the mean transmission error in all cases but one.
 const OF_MEAN: f64 = 0.007;
+/// Of its peak-to-peak value in all cases but one.
+const OF_SWING: f64 = 0.02;
 
 /// The cases `names`, whose transmission errors at each position differ by less than the part `each`.
 fn agree(names: &[&str], each: f64) {
-    names.iter().for_each(|name| agrees(name, each, OF_MEAN));
+    let bounds = [each, OF_MEAN, OF_SWING];
+    names
+        .iter()
+        .for_each(|name| agrees(name, f64::INFINITY, bounds));
 }
 
 #[test]
@@ -134,8 +143,21 @@ fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_i
 }
 
 #[test]
+fn a_car_pinion_at_its_highest_load_agrees_in_plane_strain() {
+    agree(&["car-pinion"], 0.007);
+}
+
+/// With finite rotations and contact at the deformed flanks: at up to 4 N m the teeth give way by up to 5 % of the module, beyond
+/// which `solve` notes it; at 10 N m by 9 %, and tip edges are then too stiff.
+#[test]
+fn a_plastic_wheel_agrees_with_finite_rotations_in_plane_strain() {
+    agrees("plastic", 4.0, [0.03, 0.007, 0.05]);
+    agrees("plastic", 10.0, [0.06, 0.03, 0.3]);
+}
+
+#[test]
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
-    agrees("solid-relief-30", 0.004, 0.002);
+    agrees("solid-relief-30", f64::INFINITY, [0.004, 0.002, OF_SWING]);
     // 2 mrad tell the ends of a segment apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
     // transmission errors of less than a micrometre.
     // 1 mrad moves the ends of the wide face by 24 um and leaves 0.7 um at mid-face under 200 N m, told to 0.013 um.

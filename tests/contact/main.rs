@@ -4,6 +4,8 @@
 mod element;
 #[path = "../common/fzg.rs"]
 mod fzg;
+#[path = "../common/gear1.rs"]
+mod gear1;
 #[path = "../common/gears.rs"]
 mod gears;
 #[path = "../common/solver.rs"]

@@ -1,6 +1,7 @@
 //! Whole contact against an independent finite-element program without any Hertz formula, `scripts/contact_reference.py`
 //! (`tests/data/contact_reference.json` says how it works), tip edges that bear load included, and a second one.
 
+use super::gear1::solve_torque_of_gear1;
 use super::*;
 
 fn peak_to_peak(values: &[f64]) -> f64 {
@@ -20,8 +21,7 @@ pub fn reference(name: &str) -> (Pair, Value) {
     (pair::from_json(&case["pair"].to_string()).unwrap(), case)
 }
 
-/// The reference holds gear 2 and turns gear 1 under its own torque, unless both turn as they do here (`both_turn`). Where tip edges bear,
-/// that is half of the approach on from the mesh position at which both gears have turned by half of it, and the torques are not in the ratio of the base radii.
+/// The reference holds gear 2 and turns gear 1 under its own torque, unless both turn as they do here (`both_turn`).
 ///
 /// Every load of the case up to the torque `most`, N m, at every position: the transmission error within the part `each` of it and its mean within the part
 /// `of_mean`, its peak-to-peak value within the part `of_swing` or 0.05 um beside the error of the reference that it shows itself, z_c within 0.05 mm
@@ -40,27 +40,6 @@ fn agrees(name: &str, most: f64, [each, of_mean, of_swing]: [f64; 3]) {
     let solver = solver(&pair, &settings, None, contact);
     let offset = 1e-6 * number(&case["center_distance_offset_um"]);
     let [positions, loads] = ["positions", "loads"].map(|key| case[key].as_array().unwrap());
-    let of_gear1 = |position: f64, torque: f64, misalignment: f64| {
-        let base_radius = pair.geometry.gears[0].base_radius();
-        let problem = |position| solver.position(Flank::Drive, position, offset).unwrap();
-        let (mut problem_there, mut mean) = (problem(position), torque);
-        let mut result = problem_there
-            .solve_torque(mean, misalignment, None)
-            .unwrap();
-        // Along the path alone both conventions are one.
-        let is_own = |r: &ContactResult| (r.torque_forces[0] / r.loa_force - 1.0).abs() < 1e-9;
-        for _ in 0..4 {
-            if case["both_turn"] == true || is_own(&result) {
-                break;
-            }
-            problem_there = problem(position + 0.5 * result.approach / pair.geometry.base_pitch());
-            mean *= torque / (result.torque_forces[0] * base_radius);
-            result = problem_there
-                .solve_torque(mean, misalignment, None)
-                .unwrap();
-        }
-        result
-    };
     for (i, load) in loads.iter().enumerate() {
         let [torque, tilt] = [0, 1].map(|k| number(&load[k]));
         if torque > most {
@@ -68,7 +47,15 @@ fn agrees(name: &str, most: f64, [each, of_mean, of_swing]: [f64; 3]) {
         }
         let (mut found, mut known) = (vec![], vec![]);
         for at in positions {
-            let result = of_gear1(number(&at["mesh_position"]), torque, 1e-3 * tilt);
+            let place = [number(&at["mesh_position"]), offset];
+            let misalignment = 1e-3 * tilt;
+            let result = match case["both_turn"] == true {
+                true => {
+                    let problem = solver.position(Flank::Drive, place[0], offset).unwrap();
+                    problem.solve_torque(torque, misalignment, None).unwrap()
+                }
+                false => solve_torque_of_gear1(&solver, place, [torque, misalignment]).unwrap(),
+            };
             let ste = 1e6 * result.approach;
             for (key, found, relative, absolute) in [
                 ("ste_um", ste, each, 0.0),

@@ -3,12 +3,16 @@
 use crate::data::{Data, largest, mean, percent, range};
 use crate::setup::{models, solver};
 use crate::{Context, Result, in_repository};
+use gear1::solve_torque_of_gear1;
 use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 use gearmesh_preprocessor::finite_element::Settings;
 use gearmesh_preprocessor::pair;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+
+#[path = "../../../tests/common/gear1.rs"]
+mod gear1;
 
 #[derive(Deserialize)]
 struct Cases {
@@ -21,6 +25,9 @@ struct Case {
     pair: serde_json::Value,
     #[serde(default)]
     plane_strain: bool,
+    /// Either gear turns half of the approach, as it does here; else gear 2 is held.
+    #[serde(default)]
+    both_turn: bool,
     center_distance_offset_um: f64,
     /// Torque, N m, and misalignment, mrad.
     loads: Vec<[f64; 2]>,
@@ -68,12 +75,27 @@ struct Compared {
 }
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
-    let text = std::fs::read_to_string(in_repository("tests/data/contact_reference.json"))?;
-    let reference: Cases = serde_json::from_str(&text)?;
+    compared(
+        context,
+        data,
+        "reference",
+        "tests/data/contact_reference.json",
+    )?;
+    compared(
+        context,
+        data,
+        "plastic",
+        "tests/data/plastic_reference.json",
+    )
+}
+
+/// The table `name` of the cases in `file`.
+fn compared(context: &Context, data: &Data, name: &str, file: &str) -> Result<()> {
+    let reference: Cases = serde_json::from_str(&std::fs::read_to_string(in_repository(file))?)?;
     let count = if context.quick { 1 } else { usize::MAX };
     let mut rows = vec![];
-    for (name, case) in reference.cases.iter().take(count) {
-        eprintln!("    {name}: {}", case.title);
+    for (case_name, case) in reference.cases.iter().take(count) {
+        eprintln!("    {case_name}: {}", case.title);
         for ([torque, misalignment], c) in case.loads.iter().zip(compare(case)?) {
             let column = |i: usize| c.ste.iter().map(move |both| both[i]);
             let [here, there] = [0, 1].map(|i| mean(column(i)));
@@ -116,7 +138,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         }
     }
     let head = "case | positions | N m | mrad | mean / p-p | mean % | p-p % | largest % | z_c, mm | flank pressure %";
-    data.table("reference", head, &rows)
+    data.table(name, head, &rows)
 }
 
 /// Every load of a case.
@@ -133,13 +155,16 @@ fn compare(case: &Case) -> Result<Vec<Compared>> {
     let solver = solver(&pair, &models(&pair, &settings)?, contact)?;
     let mut all = vec![Compared::default(); case.loads.len()];
     for at in &case.positions {
-        let problem = solver.position(
-            Flank::Drive,
-            at.mesh_position,
-            1e-6 * case.center_distance_offset_um,
-        )?;
+        let place = [at.mesh_position, 1e-6 * case.center_distance_offset_um];
         for (i, ([torque, misalignment], c)) in case.loads.iter().zip(&mut all).enumerate() {
-            let result = problem.solve_torque(*torque, 1e-3 * misalignment, None)?;
+            let load = [*torque, 1e-3 * misalignment];
+            let result = match case.both_turn {
+                true => {
+                    let problem = solver.position(Flank::Drive, place[0], place[1])?;
+                    problem.solve_torque(load[0], load[1], None)?
+                }
+                false => solve_torque_of_gear1(&solver, place, load)?,
+            };
             c.ste.push([1e6 * result.approach, at.ste_um[i]]);
             c.contact_z.push(match at.contact_z_mm.get(i) {
                 Some(there) => [1e3 * result.contact_z, *there],

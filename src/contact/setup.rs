@@ -45,7 +45,7 @@ impl Default for ContactSettings {
             stations: MOST_STATIONS,
             own_share: all(),
             tip_corner_contact: true,
-            bent_teeth: std::env::var("GM_HELD").is_err(),
+            bent_teeth: true,
             reach: None,
         }
     }

@@ -7,13 +7,13 @@
 use std::path::Path;
 
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::contact::{
     CycleInput, ElasticModels, LoadCase, MeshCycle, ModelSettings,
 };
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::package::{self, Contents, Library, Starts};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::Recipe;
+use gearmesh_preprocessor::table::{Recipe, size_and_error};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let made = recipe.compute(&models, progress)?;
     let solves = made.account.quality.solves;
-    println!("\n{solves} static solves: {}", made.file.size_and_error());
+    println!("\n{solves} static solves: {}", size_and_error(&made.file));
 
     // 5. The archive, with every effect on that the tables hold.
     let contents = Contents {

@@ -4,11 +4,11 @@
 //! takes both; one position of the cycle, loaded by a torque, gives the static transmission error, the force, where it acts
 //! along the face, and how tooth pairs share it. `cargo run --release --example static_contact [PAIR.json]`
 
-use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::static_contact::{ContactSolver, contact_settings};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shipped = "resources/pairs/palermo2013.json".to_owned();
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = Settings::for_pair(&pair);
     let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?;
     let [gear1, gear2] = models.gears;
-    let solver = ContactSolver::new(&pair, [gear1, gear2], ContactSettings::for_pair(&pair))?;
+    let solver = ContactSolver::new(&pair, [gear1, gear2], contact_settings(&pair))?;
 
     // Mesh position 0: contact at the pitch point at mid-face. Centre distance nominal (m), axes parallel (rad).
     let (mesh_position, center_distance_offset, misalignment) = (0.0, 0.0, 0.0);

@@ -55,13 +55,11 @@
 //! | W | `energy`, `value` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
 
 pub mod accuracy;
-pub mod compliance;
 pub mod contact;
 pub mod element;
 pub mod fmi;
 pub mod friction;
 pub mod gear;
-pub mod pair;
 pub mod random;
 pub mod root;
 pub mod sealed;

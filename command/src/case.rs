@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
+use gearmesh::contact::Tangent;
 use gearmesh::friction::{Loss, Sliding, loss_factor_of, ohlendorf};
 use gearmesh::gear::{Flank, PairGeometry};
-use gearmesh::pair::{Pair, Shaft};
 use gearmesh::table::{Query, Table};
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, GearRoots, LoadCase, MeshCycle};
+use gearmesh_preprocessor::gear::{Pair, Shaft};
 use gearmesh_preprocessor::shaft::ShaftState;
+use gearmesh_preprocessor::static_contact::{ContactError, ContactResult, ContactSolver};
 
 use crate::columns::{Column, columns};
 use crate::model::Fillets;

@@ -9,7 +9,7 @@ use gearmesh::fmi::variables::{Kind, VARIABLES, index, index_by_name};
 use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
 use gearmesh_preprocessor::package::{self, start_in_words};
-use gearmesh_preprocessor::{pair, storage};
+use gearmesh_preprocessor::{pair, storage, table};
 use serde_json::{Map, Value, json};
 
 use crate::columns::{Listing, rows};
@@ -68,7 +68,7 @@ fn table_file(file: &TableFile) -> Result<(String, Value)> {
     // Tables that no FMU could use are no tables.
     Table::from_file(file.clone())?;
     let mut rows = Listing::default();
-    for (name, value) in file.summary() {
+    for (name, value) in table::summary(file) {
         rows.row(name, value);
     }
     let text = format!("{}: tables\n{rows}", shown(&file.name));

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh::words::count;
+use gearmesh_preprocessor::compliance::ToothCompliance;
 use gearmesh_preprocessor::contact::{ElasticModels, ModelSettings};
 use gearmesh_preprocessor::finite_element::{ModelCache, Origin, RootStress};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::shaft::held_by_its_shafts;
+use gearmesh_preprocessor::static_contact::ContactSolver;
 use indicatif::HumanDuration;
 
 use crate::columns::Listing;

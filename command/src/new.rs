@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use askama::Template;
 use clap::Args;
-use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
+use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::import::rexs;
 use gearmesh_preprocessor::pair;
 

@@ -1,8 +1,9 @@
 //! What a pair is, in the figures an engineer checks first against the drawing: as text and as JSON.
 
-use gearmesh::gear::{Flank, Gear, GearKind, ToothProfile};
-use gearmesh::pair::Pair;
+use gearmesh::gear::{Flank, Gear, GearKind};
 use gearmesh::words::{fixed, rounded};
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::gear::ToothProfile;
 use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, hand, lead};
 use gearmesh_preprocessor::pair::{self, Gauges, modifications, topographies, topography};
 use gearmesh_preprocessor::shaft::misalignment_range;

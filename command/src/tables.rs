@@ -7,9 +7,9 @@ use clap::Args;
 use gearmesh::contact::MAXIMUM_ITERATIONS;
 use gearmesh::table::TableFile;
 use gearmesh_preprocessor::contact::ElasticModels;
-use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::import::import_csv;
 use gearmesh_preprocessor::table::{Made, Recipe};
+use gearmesh_preprocessor::{pair, table};
 
 use crate::columns::{Listing, rows};
 use crate::error::Result;
@@ -116,7 +116,7 @@ pub fn compute(
     let rows = in_words(&made, &models, &effort);
     let text = format!(
         "{}\n  {}",
-        made.file.size_and_error(),
+        table::size_and_error(&made.file),
         rows.joined("\n  ", ": ")
     );
     Ok(Computed { made, text })
@@ -138,7 +138,7 @@ fn in_words(made: &Made, models: &ElasticModels, effort: &str) -> Listing {
     }
     if let (Some(record), Some(seconds)) = (&made.file.teeth, account.teeth_seconds) {
         let percent = 100.0 * record.error.force_rms;
-        rows! { rows; "tooth pairs one by one" => "{seconds:.1} s, {}", record.in_words(); }
+        rows! { rows; "tooth pairs one by one" => "{seconds:.1} s, {}", table::teeth_in_words(record); }
         if percent > LARGE_ERROR {
             rows! { rows;
                 "warning" => "tooth pairs one by one carry {percent:.1} % rms of the nominal force more or less than they should; for \
@@ -223,7 +223,7 @@ impl Import {
         );
         file.check()?;
         output::write_whole(&self.output, file.to_json().as_bytes())?;
-        let (path, words) = (self.output.display(), file.size_and_error());
+        let (path, words) = (self.output.display(), table::size_and_error(&file));
         output::print(&format!("Wrote {path}: {words}\n"))
     }
 }

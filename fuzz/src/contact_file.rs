@@ -7,14 +7,13 @@ use gearmesh_preprocessor::contact::{condensed_roots, contact_file};
 use gearmesh_preprocessor::pair;
 use std::sync::{Arc, LazyLock};
 
-use gearmesh::contact::{
-    CondensedFlank, CondensedRoots, ContactFile, ContactSettings, ContactSolver, Warm,
-};
+use gearmesh::contact::{CondensedFlank, CondensedRoots, ContactFile, ContactSettings, Warm};
 use gearmesh::fmi::resources::Resources;
 use gearmesh::gear::{Flank, Microgeometry, OwnFlank, Topography};
-use gearmesh::pair::Refinement;
 use gearmesh::sealed;
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings, pair_root_stress};
+use gearmesh_preprocessor::gear::Refinement;
+use gearmesh_preprocessor::static_contact::ContactSolver;
 use serde::Deserialize;
 use serde_json::{Value, json};
 

@@ -1,7 +1,7 @@
 //! Pair files: refused by field, or a pair that can be meshed.
 
-use gearmesh::gear::ToothProfile;
-use gearmesh::pair::Pair;
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::gear::ToothProfile;
 use gearmesh_preprocessor::package::Starts;
 use gearmesh_preprocessor::pair;
 

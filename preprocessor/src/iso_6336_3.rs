@@ -12,7 +12,8 @@
 use gearmesh::root::bisection;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, FRAC_PI_6, PI};
 
-use gearmesh::gear::{Gear, GearKind, PairGeometry, ToothProfile, involute};
+use crate::gear::ToothProfile;
+use gearmesh::gear::{Gear, GearKind, PairGeometry, involute};
 
 /// The terms of ISO 6336-3:2006 for one gear, its symbols in brackets.
 #[derive(Debug, Clone, Copy, PartialEq)]

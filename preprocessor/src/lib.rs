@@ -2,7 +2,7 @@
 //!
 //! | module | in | out |
 //! |---|---|---|
-//! | [`pair`], [`import`] | pair file, file of another program | checked pair in SI, `gearmesh::pair::Pair` |
+//! | [`pair`], [`import`] | pair file, file of another program | checked pair in SI, `crate::gear::Pair` |
 //! | [`shaft`] | shafts on bearings | how far they take the flanks apart |
 //! | [`finite_element`] | gear | displacement of its flanks under load, stress in its tooth roots |
 //! | [`contact`] | pair | elastic models, static contact over mesh cycles, contact for run time |
@@ -16,8 +16,10 @@
 #![doc = include_str!("../../examples/drawing_to_fmu.rs")]
 //! ```
 
+pub mod compliance;
 pub mod contact;
 pub mod finite_element;
+pub mod gear;
 pub mod import;
 mod iso_6336_1;
 mod iso_6336_3;
@@ -25,6 +27,7 @@ pub mod package;
 pub mod pair;
 pub mod run_up;
 pub mod shaft;
+pub mod static_contact;
 pub mod storage;
 pub mod table;
 

@@ -15,9 +15,9 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::bulk::Motion;
 use super::candidates::Candidate;
 use super::gap::GapProfile;
-use super::influence::Motion;
 use super::local_law::POINTS;
 
 /// The segments of a position, which may move.

@@ -2,9 +2,9 @@
 
 use super::gap::GapProfile;
 use super::local_law::POINTS;
+use super::segment::Segment;
 use super::setup::ContactSetup;
 use super::transverse::{MatingFlanks, TransverseSection};
-use crate::compliance::Segment;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
@@ -25,7 +25,7 @@ pub struct Candidate {
     /// What a misalignment closes of [`Candidate::gap`] over its size, m; by the same levers the forces act on it.
     pub levers: [f64; POINTS],
     /// The gap about the closest point of the middle.
-    pub(super) profile: GapProfile,
+    pub profile: GapProfile,
     /// Arms of the force at the middle about the axes of gear 1 and gear 2, in the transverse plane over their base radii.
     pub arms: [f64; 2],
 }
@@ -54,7 +54,7 @@ impl Candidate {
 }
 
 /// What changes along a segment by `values` at its points, as local contact sees it, which takes up `own_share` of the change.
-pub(super) fn along_segment(values: [f64; POINTS], own_share: f64) -> [f64; POINTS] {
+pub fn along_segment(values: [f64; POINTS], own_share: f64) -> [f64; POINTS] {
     if own_share == 1.0 {
         return values;
     }
@@ -69,9 +69,11 @@ fn points(z: [f64; 2]) -> [f64; POINTS] {
 /// The contact lines of one flank at one position of the mesh.
 #[derive(Clone)]
 pub struct ContactLines<'a> {
+    /// The pair.
     pub setup: &'a ContactSetup,
     /// Deviation from the nominal centre distance, m.
     pub center_distance_offset: f64,
+    /// The transverse section at that centre distance.
     pub section: TransverseSection,
     /// Loaded flank of gear 1.
     pub flank: Flank,
@@ -87,17 +89,20 @@ pub struct ContactLines<'a> {
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
+    /// The same, with segments beyond the reach of contact taken as if they lay at its end.
     #[must_use]
     pub fn clamped(mut self) -> Self {
         self.clamped = true;
         self
     }
 
+    /// All segments that may touch.
     pub fn candidates(&self) -> Vec<Candidate> {
         let pairs = self.pairs(0.0);
         pairs.flat_map(|k| self.of_pair(k)).collect()
     }
 
+    /// Those of tooth pair `k`.
     pub fn of_pair(&self, k: i32) -> impl Iterator<Item = Candidate> {
         let stations = 0..self.setup.settings.stations;
         stations.filter_map(move |station| self.segment(k, station))

@@ -40,6 +40,7 @@ pub enum Target {
     Approach(f64),
 }
 
+/// Where a solve starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Start<'a> {
     /// Normal force on each segment, N.
@@ -48,6 +49,7 @@ pub struct Start<'a> {
     pub approach: f64,
 }
 
+/// Forces in equilibrium.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Normal force on each segment, N.
@@ -58,9 +60,12 @@ pub struct Solution {
     pub closing: DVector<f64>,
     /// Local contact at the points of each segment.
     pub loads: Vec<PointLoads>,
+    /// Newton steps it took.
     pub iterations: usize,
-    /// See [`super::ContactResult::kkt_residual`].
+    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a segment less what its
+    /// gaps and local contact ask for under the displacement of all forces.
     pub kkt_residual: f64,
+    /// The segments in contact.
     pub active: Vec<usize>,
     /// Factor of D + A over the segments in contact.
     factor: Factor,

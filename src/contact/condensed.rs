@@ -14,8 +14,8 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
+use super::bulk::{Influence, Motion};
 use super::candidates::{Candidate, ContactLines};
-use super::influence::{Influence, Motion};
 use super::root_stress::CondensedRoots;
 use super::setup::ContactSetup;
 use crate::accuracy::{InterpolationError, is_beyond};
@@ -53,16 +53,18 @@ pub struct CondensedFlank {
 /// Mesh positions of the nodes over a cycle.
 const POSITIONS: usize = 48;
 
-/// Segments up to this part of a base pitch beyond the reach of contact are in a node: two steps to either side of a position.
-pub(super) const MARGIN: f64 = 2.1 / POSITIONS as f64;
-
 /// What one node is made of.
 pub struct CondensedNode {
-    pub(super) segments: Vec<Candidate>,
-    pub(super) influence: Influence,
+    /// Whole segments, ascending.
+    pub segments: Vec<Candidate>,
+    /// How they give way to each other.
+    pub influence: Influence,
 }
 
 impl CondensedFlank {
+    /// Segments up to this part of a base pitch beyond the reach of contact are in a node: two steps to either side of a position.
+    pub const MARGIN: f64 = 2.1 / POSITIONS as f64;
+
     /// Mesh positions and centre distance offsets (m) of the nodes with the offsets `offsets`, in their order.
     pub fn grid(offsets: &[f64]) -> Vec<[f64; 2]> {
         let positions = || (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);

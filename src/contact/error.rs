@@ -1,11 +1,9 @@
-//! What the contact solver refuses, and why.
+//! What a contact solve refuses, and why.
 
 use std::fmt;
 
 use thiserror::Error;
 
-use crate::compliance::BeyondModel;
-use crate::gear::ProfileError;
 use crate::words::{number, rounded};
 
 /// What is prescribed at an operating point.
@@ -72,7 +70,7 @@ pub enum Failure {
     },
 }
 
-/// Errors of the contact solver.
+/// Errors of a contact solve.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContactError {
     /// A setting, load, approach, misalignment or mesh position out of its range.
@@ -85,9 +83,6 @@ pub enum ContactError {
         /// What it must be.
         remedy: &'static str,
     },
-    /// A gear has no usable tooth.
-    #[error("no tooth to touch: {0}; check module, profile shift and tip diameter")]
-    Profile(#[from] ProfileError),
     /// No tooth pair can touch at this centre distance.
     #[error(
         "center distance {:.4} mm leaves no path of contact; bring it nearer to the nominal one",
@@ -96,19 +91,6 @@ pub enum ContactError {
     OutOfMesh {
         /// The centre distance, m.
         center_distance: f64,
-    },
-    /// Teeth may touch that lie farther apart than the elastic model was computed for.
-    #[error(
-        "center distance offset = {} um: {model}; state it in \
-         operating.center_distance_offset_um in the pair file, from which the model's reach follows, or bring \
-         it nearer to zero",
-        rounded(1e6 * center_distance_offset)
-    )]
-    BeyondModel {
-        /// Deviation from the nominal centre distance, m.
-        center_distance_offset: f64,
-        /// What the elastic model said.
-        model: BeyondModel,
     },
     /// A load without a solution, in the words of pair file and command line.
     #[error(
@@ -140,7 +122,10 @@ impl ContactError {
 }
 
 /// Refuses `value` unless it is finite.
-pub(super) fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
+///
+/// # Errors
+/// [`ContactError::Input`].
+pub fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
     let refused = || ContactError::input(field, value, "give a finite number");
     value.is_finite().then_some(()).ok_or_else(refused)
 }

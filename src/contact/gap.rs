@@ -60,7 +60,7 @@ pub(super) struct Means {
 }
 
 impl GapProfile {
-    pub fn parabola(slope: f64, curvature: f64, edges: [f64; 2]) -> GapProfile {
+    pub(super) fn parabola(slope: f64, curvature: f64, edges: [f64; 2]) -> GapProfile {
         GapProfile {
             slope,
             curvature,
@@ -69,7 +69,7 @@ impl GapProfile {
         }
     }
 
-    pub fn add(&mut self, number: usize, relief: Breakpoint) {
+    pub(super) fn add(&mut self, number: usize, relief: Breakpoint) {
         let mut other = relief;
         if relief.side * relief.at < 0.0 {
             // With v = -side (t - at): max(-v, 0) = -v + max(v, 0), and its square is v² less that of max(v, 0).
@@ -181,6 +181,7 @@ impl GapProfile {
         self.edges[1].min(-self.edges[0])
     }
 
+    /// The gear whose tip edge is nearest, 0 or 1.
     pub fn edge_gear(&self) -> usize {
         let [of_second, of_first] = self.edges;
         usize::from(-of_second < of_first)

@@ -474,6 +474,7 @@ impl LocalContact {
         &self.profile
     }
 
+    /// Length along the contact line, m.
     pub fn length(&self) -> f64 {
         self.length
     }

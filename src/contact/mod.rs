@@ -21,30 +21,34 @@
 //! On bent teeth contact moves along the profile (`bent.rs`).
 
 mod bent;
+mod bulk;
 mod candidates;
 mod complementarity;
 mod condensed;
-mod edge_load;
 mod error;
 mod gap;
-mod influence;
 mod local_law;
 mod position;
 mod root_stress;
 mod runtime;
+mod segment;
 mod setup;
-mod solver;
 mod transverse;
 
-pub use candidates::Candidate;
-pub use complementarity::MAXIMUM_ITERATIONS;
+pub use bent::Placed;
+pub use bulk::{Influence, Motion};
+pub use candidates::{Candidate, ContactLines, along_segment};
+pub use complementarity::{MAXIMUM_ITERATIONS, Solution, Start};
 pub use condensed::{CondensedFlank, CondensedNode, ContactFile};
-pub use error::{ContactError, Failure, Prescribed};
-pub use position::{ContactResult, EdgeLoad, PositionProblem, SegmentLoad, Tangent};
+pub use error::{ContactError, Failure, Prescribed, finite};
+pub use gap::GapProfile;
+pub use local_law::{LocalContact, POINTS, PointLoads};
+pub use position::{ContactProblem, Tangent};
 pub use root_stress::{COMPONENTS, CondensedRoots, Fillet, ROLLS, RootField, RootPoint};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
-pub use setup::{ContactSettings, ContactSetup, Deflection, widest_contact};
-pub use solver::ContactSolver;
+pub use segment::Segment;
+pub use setup::{ContactSettings, ContactSetup, STIFFNESS_OVER_MODULUS};
+pub use transverse::{PairNumbers, TransverseSection};
 
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 use super::candidates::{Candidate, ContactLines};
-use crate::compliance::Segment;
+use super::segment::Segment;
 use crate::vector::Lanes;
 
 /// Components of stress at each point: along the profile, along the helix, shear; Pa.

@@ -12,12 +12,12 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
+use super::bulk::Influence;
 use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Solution, Start};
 use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
-use super::influence::Influence;
-use super::position::{PositionProblem, Tangent};
+use super::position::{ContactProblem, Tangent};
 use super::setup::ContactSetup;
 use super::transverse::PairNumbers;
 use crate::friction::{Sliding, SlidingSums};
@@ -224,7 +224,7 @@ impl RuntimeContact {
     /// arm and gap: at a solution phi(x) = y, so that the share of A is -y' dA y / 2 in all.
     fn at_fixed_forces(
         &self,
-        problem: &PositionProblem,
+        problem: &ContactProblem,
         pose: &Pose<'_>,
         solution: &Solution,
     ) -> Result<(f64, [f64; 2]), ContactError> {
@@ -286,7 +286,7 @@ impl RuntimeContact {
     }
 
     /// The problem of those of `candidates` that the nodes hold; others, far beyond their centre distances, bear nothing.
-    fn problem(&self, mut candidates: Vec<Candidate>, lines: &ContactLines<'_>) -> PositionProblem {
+    fn problem(&self, mut candidates: Vec<Candidate>, lines: &ContactLines<'_>) -> ContactProblem {
         let influence = |candidates: &[Candidate]| {
             let segments: Vec<&Candidate> = candidates.iter().collect();
             self.condensed.influence(&segments, lines)
@@ -300,6 +300,6 @@ impl RuntimeContact {
             candidates.retain(|_| held.next() == Some(true));
             known = influence(&candidates);
         }
-        PositionProblem::new(lines, candidates, known)
+        ContactProblem::new(lines, candidates, known)
     }
 }

@@ -1,60 +1,52 @@
 //! Claims about what solutions do not show; those about solutions stand in tests/contact.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 use approx::assert_abs_diff_eq;
-use nalgebra::DMatrix;
 
 use super::transverse::{
     LEAST_CURVATURE, MatingFlanks, PairNumbers, TransversePoint, TransverseSection,
 };
-use super::{ContactError, ContactSettings, ContactSolver, Deflection, PositionProblem};
-use crate::compliance::{BeyondModel, Segment, ToothCompliance};
-use crate::friction::FrictionLaw;
-use crate::gear::{
-    Flank, Gear, PairGeometry, PairMicrogeometry, PairTeeth, ProfileRelief, ReliefShape,
-    ToothProfile, Topography,
-};
-use crate::pair::{Operating, Pair, Refinement};
+use crate::gear::{Gear, PairGeometry, PairMicrogeometry, ProfileRelief, ReliefShape, Topography};
 use crate::table::TableFile;
 
-/// The shipped pair `name` without modifications, by the geometry in its tables.
-fn plain_pair(name: &str) -> Pair {
+/// A shipped pair without modifications.
+struct Plain {
+    geometry: PairGeometry,
+    microgeometry: PairMicrogeometry,
+}
+
+/// That called `name`, by the geometry in its tables.
+fn plain_pair(name: &str) -> Plain {
     let tables = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/tables");
     let text = std::fs::read_to_string(format!("{tables}/{name}.json")).unwrap();
     let tables: TableFile = serde_json::from_str(&text).unwrap();
-    Pair {
-        name: name.to_owned(),
+    Plain {
         geometry: tables.geometry,
         microgeometry: PairMicrogeometry::default(),
-        teeth: PairTeeth::default(),
-        operating: Operating {
-            nominal_torque: 100.0,
-            maximum_torque: 200.0,
-            center_distance_offset: [-100e-6, 100e-6],
-            misalignment: [-3e-3, 3e-3],
-        },
-        refinement: Refinement::Coarse,
-        tip_corner_contact: true,
-        friction: FrictionLaw::default(),
-        shafts: [None, None],
-        warnings: vec![],
     }
+}
+
+/// Lengths of roll at which the involutes end at the root, m: a little below the contact of the mate's tip.
+fn form_rolls(g: &PairGeometry) -> [f64; 2] {
+    let path = g.path_of_contact(g.center_distance);
+    [0, 1].map(|i| {
+        let active = g.roll_at(i, g.center_distance, [path.start, path.end][i]);
+        active - 0.02 * (g.gears[i].tip_form_roll() - active)
+    })
 }
 
 /// Its transverse section, tip corners followed up to the separation `limit` (m).
 fn section(g: &PairGeometry, limit: f64) -> TransverseSection {
-    let forms = [0, 1].map(|i| ToothProfile::new(&g.gears[i]).unwrap().form_roll());
     let numbers = PairNumbers::new(g, [0.0; 2]);
-    TransverseSection::new(&numbers, g.center_distance, forms, Some(limit)).unwrap()
+    TransverseSection::new(&numbers, g.center_distance, form_rolls(g), Some(limit)).unwrap()
 }
 
 /// Some place along the face, m.
 const Z: f64 = 7e-3;
 
 fn flanks<'a>(
-    pair: &'a Pair,
+    pair: &'a Plain,
     section: &'a TransverseSection,
     at: TransversePoint,
 ) -> MatingFlanks<'a> {
@@ -126,7 +118,7 @@ fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
     let mut pair = plain_pair("palermo2013");
     let section = section(&pair.geometry, 100e-6);
     let at = section.point(0.0);
-    let curvature = |pair: &Pair| {
+    let curvature = |pair: &Plain| {
         let found = flanks(pair, &section, at);
         let closest = found.closest();
         assert!(closest.s.abs() < 1e-8, "{}", closest.s);
@@ -183,7 +175,7 @@ fn closest(p: &PairGeometry, i: usize, xi: f64, ahead: f64) -> (f64, f64) {
     });
     let (gear, mate) = (&p.gears[i], &p.gears[1 - i]);
     let tip = gear.roll_length(gear.tip_radius);
-    let form = ToothProfile::new(gear).unwrap().form_roll();
+    let form = form_rolls(p)[i];
     (0..=4000)
         .map(|step| {
             let roll = tip + (form - tip) * f64::from(step) / 4000.0;
@@ -243,80 +235,5 @@ fn separation_and_arm_of_a_tip_edge_are_those_of_the_signed_distance_from_the_ma
         let point = section.point(xi);
         assert_abs_diff_eq!(roll, point.roll[0], epsilon = 1e-5);
         assert_eq!(point.arms, [1.0; 2]);
-    }
-}
-
-#[test]
-fn a_deflection_is_straight_through_and_beyond_its_points_and_turns_smoothly_from_piece_to_piece() {
-    let curve = Deflection::new(vec![[0.0, 1e-6], [10e-3, 3e-6], [20e-3, 2e-6]]).unwrap();
-    for (z, closing, slope) in [
-        (0.0, 1.0, 200.0),
-        (5e-3, 2.0, 200.0),
-        (10e-3, 3.0, 50.0),
-        (15e-3, 2.5, -100.0),
-        (30e-3, 1.0, -100.0),
-        (-5e-3, 0.0, 200.0),
-    ] {
-        let found = curve.closing(z).map(|value| 1e6 * value);
-        assert_abs_diff_eq!(found[..], [closing, slope][..], epsilon = 1e-9);
-    }
-    for (beyond, range) in [(0.0, [1.0, 3.0]), (2e-3, [0.6, 3.1])] {
-        let found = curve.range([0.0, 20e-3], beyond).map(|value| 1e6 * value);
-        assert_abs_diff_eq!(found[..], range[..], epsilon = 1e-9);
-    }
-    assert_eq!(Deflection::default().closing(1.0), [0.0; 2]);
-    // A bow is zero in the middle and opens the ends.
-    let bow = Deflection::bow(4e-6, [2e-3, 22e-3]).unwrap();
-    for (z, closing) in [(2e-3, -4.0), (12e-3, 0.0), (17e-3, -1.0), (22e-3, -4.0)] {
-        assert_abs_diff_eq!(1e6 * bow.closing(z)[0], closing, epsilon = 1e-9);
-    }
-    for points in [
-        vec![[0.0, 0.0]],
-        vec![[0.0, 0.0], [0.0, 1.0]],
-        vec![[0.0, 0.0], [1.0, f64::NAN]],
-    ] {
-        let refused = Deflection::new(points);
-        assert!(matches!(refused, Err(ContactError::Input { .. })));
-    }
-}
-
-/// Segments that do not know of each other.
-struct Alone;
-
-impl ToothCompliance for Alone {
-    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
-        Ok(DMatrix::identity(segments.len(), segments.len()) * 1e-8)
-    }
-
-    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
-        vec![1e-3; segments.len()]
-    }
-}
-
-#[test]
-fn a_segment_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
-    let pair = plain_pair("palermo2013");
-    let alone: [Arc<dyn ToothCompliance>; 2] = [Arc::new(Alone), Arc::new(Alone)];
-    let solver = ContactSolver::new(&pair, alone, ContactSettings::default()).unwrap();
-    let torque = pair.operating.nominal_torque;
-    let damage: [fn(&mut PositionProblem, usize); 3] = [
-        |problem, i| problem.candidates[i].gap = [f64::NAN; 4],
-        |problem, i| problem.candidates[i].gap[2] = f64::NAN,
-        |problem, i| problem.arm[i] = f64::NAN,
-    ];
-    for damage in damage {
-        let mut problem = solver.position(Flank::Drive, 0.2, 0.0).unwrap();
-        let approach = problem.solve_torque(torque, 0.0, None).unwrap().approach;
-        let middle = problem.candidates.len() / 2;
-        damage(&mut problem, middle);
-        for result in [
-            problem.solve_torque(torque, 0.0, None),
-            problem.solve_approach(approach, 0.0, None),
-            problem.solve_approach(-1e-3, 0.0, None),
-        ] {
-            let error = result.unwrap_err();
-            let failure = "the contact solve stopped at a residual of NaN";
-            assert!(error.to_string().contains(failure), "{error}");
-        }
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::gap::{Breakpoint, GapProfile};
 use super::local_law::{Corner, LocalBody};
-use crate::compliance::Segment;
+use super::segment::Segment;
 use crate::gear::{Gear, Microgeometry, PairGeometry};
 use crate::root::bisection;
 
@@ -14,6 +14,7 @@ const HALVINGS: usize = 30;
 /// The numbers that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through several angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairNumbers {
+    /// Of gear 1 and gear 2, m, as all pairs below.
     pub base_radius: [f64; 2],
     /// +1 external gear, -1 ring.
     pub kappa: [f64; 2],
@@ -23,16 +24,21 @@ pub struct PairNumbers {
     pub q: [f64; 2],
     /// abs(rb1 + e rb2), m.
     pub base_radius_sum: f64,
+    /// Transverse base pitch, m.
     pub base_pitch: f64,
     /// Of the base helix angle, >= 0.
     pub tan_beta_b: f64,
+    /// Of the base helix angle.
     pub cos_beta_b: f64,
     /// +1 right-handed helix of gear 1, -1 left-handed.
     pub hand: f64,
+    /// Mid-face of the overlap in gear 1's frame, m.
     pub z_ref: f64,
     /// The overlap of both faces in gear 1's frame: lower end and width, m.
     pub face: [f64; 2],
+    /// Lengths of roll at the ends of the involutes at the tips, m.
     pub tip_roll: [f64; 2],
+    /// z of the z = 0 face of each gear in gear 1's frame, m.
     pub face_offset: [f64; 2],
     /// How both gears give way close to the contact.
     pub bodies: [LocalBody; 2],
@@ -108,6 +114,7 @@ pub struct TransversePoint {
 /// rb tan phi + q xi on either gear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransverseSection {
+    /// Those of the pair.
     pub numbers: PairNumbers,
     /// Lengths of roll at which the involutes end at the root, m.
     pub form_rolls: [f64; 2],

@@ -1,6 +1,6 @@
 //! One gear: basic rack, size, material and body, and what follows from them in closed form.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ pub enum GearKind {
 
 /// Macrogeometry and material of one gear, SI.
 ///
-/// Public fields are the independent data; everything else is a method. A `Gear` out of [`crate::pair`] has passed all
+/// Public fields are the independent data; everything else is a method. A `Gear` of a checked pair file has passed all
 /// checks there. Files carry units in the names; those of version 0.1.0 of packed units have the names without. What may be
 /// absent is left out where it is none, so that files without it stay what they were.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -214,107 +214,6 @@ impl Gear {
         let field = format!("{name}.body");
         ensure(is_fine, &field, format!("{body:?}"), reason)
     }
-
-    /// The body as rings, from the axis outwards, that end at the radius `outer` (m) within the teeth; for a ring
-    /// gear the one from there to the held surface.
-    pub fn annuli(&self, outer: f64) -> Vec<Annulus> {
-        let face = [0.0, self.face_width];
-        let whole = |radii| Annulus { radii, z: face };
-        match (self.kind, self.body) {
-            (GearKind::Ring, _) => vec![whole([outer, self.held_radius])],
-            (_, None) => vec![whole([self.held_radius, outer])],
-            (_, Some(body)) => [
-                ([self.held_radius, body.hub_radius], body.hub),
-                ([body.hub_radius, body.rim_radius], body.web),
-                ([body.rim_radius, outer], face),
-            ]
-            .map(|(radii, z)| Annulus { radii, z })
-            .into_iter()
-            .filter(|ring| ring.radii[1] > ring.radii[0])
-            .collect(),
-        }
-    }
-
-    /// The gear turned end for end, where its body is another one then, by a billionth of a metre or more.
-    pub fn turned(&self) -> Option<Gear> {
-        let body = self.body?;
-        let turned = body.mirrored(self.face_width);
-        let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-        let is_symmetric = near(body.web, turned.web)
-            && near(body.hub, turned.hub)
-            && body.held_ends == turned.held_ends;
-        (!is_symmetric).then(|| Gear {
-            body: Some(turned),
-            ..self.clone()
-        })
-    }
-
-    /// Displacement of the teeth along the line of action per force there that the body causes between them and where it is
-    /// held, m/N: an estimate by its twist, the tilt of a web, the bending of a shaft and the foundation.
-    pub fn body_compliance(&self) -> f64 {
-        self.base_radius().powi(2) * self.body_twist() + self.body_tilt_and_foundation()
-    }
-
-    /// Angle by which the body twists under a torque on the teeth, rad/(N m): rings in shear; a shaft by Saint-Venant's torsion
-    /// from mid-face to the ends that are held, and in shear outside of it.
-    pub fn body_twist(&self) -> f64 {
-        let shear_modulus = 0.5 * self.youngs_modulus / (1.0 + self.poisson_ratio);
-        let mut annuli = self.annuli(self.root_radius());
-        let mut torsion = 0.0;
-        if let Some(body) = self.body.filter(Body::is_shaft) {
-            let polar = |radius: f64| 0.5 * PI * (radius.powi(4) - self.held_radius.powi(4));
-            // Of the teeth's part half a face; beyond, the radius of what reaches out there.
-            let stiffness = |end: usize| {
-                let out = |z: f64| if end == 0 { -z } else { z - self.face_width };
-                let [thick, whole] = [out(body.web[end]), out(body.hub[end])];
-                let compliance = 0.5 * self.face_width / polar(self.root_radius())
-                    + thick / polar(body.rim_radius)
-                    + (whole - thick) / polar(body.hub_radius);
-                f64::from(body.held_ends[end]) * shear_modulus / compliance
-            };
-            torsion = (stiffness(0) + stiffness(1)).recip();
-            annuli.retain(|ring| ring.radii[0] >= body.rim_radius);
-        }
-        let shear = annuli.iter().map(|ring| {
-            let ([inner, outer], [low, high]) = (ring.radii, ring.z);
-            (inner.powi(-2) - outer.powi(-2)) / (4.0 * PI * shear_modulus * (high - low))
-        });
-        torsion + shear.sum::<f64>()
-    }
-
-    /// Displacement of the teeth along the line of action per force there that a web and a foundation add to the
-    /// twist, m/N: the tilt of the web under the axial force (a plate between two stiff discs: Timoshenko,
-    /// Woinowsky-Krieger, Theory of Plates and Shells, section 63), the bending of a shaft from its held ends to mid-face, and
-    /// the foundation. An estimate of its size.
-    pub fn body_tilt_and_foundation(&self) -> f64 {
-        let web = self.body.filter(|body| !body.is_shaft());
-        let tilt = web.map_or(0.0, |body| {
-            let thickness = body.web[1] - body.web[0];
-            let plate = self.youngs_modulus * thickness.powi(3)
-                / (12.0 * (1.0 - self.poisson_ratio.powi(2)));
-            let [a, b] = [body.hub_radius, body.rim_radius].map(|r| r * r);
-            let lever = self.reference_radius() * self.base_helix_angle().tan();
-            lever.powi(2) * (0.5 * (b / a).ln() - (b - a) / (b + a)) / (4.0 * PI * plate)
-        });
-        let bending = self.body.filter(Body::is_shaft).map_or(0.0, |body| {
-            let area_moment = 0.25 * PI * (body.hub_radius.powi(4) - self.held_radius.powi(4));
-            let middle = 0.5 * self.face_width;
-            let arms = [middle - body.hub[0], body.hub[1] - middle];
-            // A cantilever; between two held ends the middle does not turn.
-            let is_between = body.held_ends == [true; 2];
-            let factor = if is_between { 12.0 } else { 3.0 };
-            let held = (arms.iter().zip(body.held_ends)).filter(|(_, held)| *held);
-            let stiffness =
-                held.map(|(arm, _)| factor * self.youngs_modulus * area_moment / arm.powi(3));
-            stiffness.sum::<f64>().recip()
-        });
-        let foundation = self.foundation.map_or(0.0, |stiffness| {
-            let area = 2.0 * PI * self.held_radius * self.face_width;
-            // Turned as a whole, and moved along the line of action.
-            ((self.base_radius() / self.held_radius).powi(2) + 1.0) / (stiffness * area)
-        });
-        tilt + bending + foundation
-    }
 }
 
 /// Rim, web and hub of an external gear, a solid of revolution that fills
@@ -325,7 +224,7 @@ impl Gear {
 ///   hub   held radius .. hub_radius   over `hub`
 /// ```
 ///
-/// with sharp corners between them. z counts from the gear's z = 0 face. A pinion [`Body::shaft`] is of this kind, too.
+/// with sharp corners between them. z counts from the gear's z = 0 face. A pinion shaft is of this kind, too.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
@@ -350,67 +249,11 @@ fn is_held_at_its_bore(held_ends: &[bool; 2]) -> bool {
     *held_ends == [false; 2]
 }
 
-/// A piece of shaft on one side of the face.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stub {
-    /// m, below the root radius of the teeth.
-    pub radius: f64,
-    /// From the face to its end, m; 0: there is none.
-    pub length: f64,
-    /// Whether the end is held: there the shaft of the multibody model takes over.
-    pub held: bool,
-}
-
 impl Body {
-    /// The shaft that teeth of the width `face_width` (m) are cut from, with its pieces at low and at high z: solid
-    /// below the root circle, held at the ends that say so, its bore free.
-    pub fn shaft(stubs: [Stub; 2], face_width: f64) -> Body {
-        let [low, high] = stubs;
-        let whole = [-low.length, face_width + high.length];
-        let (thin, thick) = match stubs.map(|stub| stub.length > 0.0) {
-            [true, false] => (low.radius, low.radius),
-            [false, true] => (high.radius, high.radius),
-            _ => (low.radius.min(high.radius), low.radius.max(high.radius)),
-        };
-        Body {
-            rim_radius: thick,
-            web: match low.radius > high.radius {
-                _ if thick == thin => whole,
-                true => [whole[0], face_width],
-                false => [0.0, whole[1]],
-            },
-            hub_radius: thin,
-            hub: whole,
-            held_ends: stubs.map(|stub| stub.held),
-        }
-    }
-
     /// Whether it is a shaft, held at an end.
     pub fn is_shaft(&self) -> bool {
         !is_held_at_its_bore(&self.held_ends)
     }
-
-    /// The body seen with the face of width `face_width` (m) turned end for end.
-    #[must_use]
-    pub fn mirrored(&self, face_width: f64) -> Body {
-        let turned = |z: [f64; 2]| [face_width - z[1], face_width - z[0]];
-        let [low, high] = self.held_ends;
-        Body {
-            web: turned(self.web),
-            hub: turned(self.hub),
-            held_ends: [high, low],
-            ..*self
-        }
-    }
-}
-
-/// A ring of rectangular section about the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Annulus {
-    /// Inner and outer radius, m.
-    pub radii: [f64; 2],
-    /// z of both ends, m from the gear's z = 0 face.
-    pub z: [f64; 2],
 }
 
 /// A number that no gear of a checked pair file has.
@@ -457,8 +300,6 @@ pub fn inverse_involute(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear::samples;
-    use approx::assert_abs_diff_eq;
 
     #[test]
     fn inverse_involute_inverts_from_zero_to_near_a_right_angle() {
@@ -471,37 +312,5 @@ mod tests {
             let bound = 1e-15 * (1.0 + 1.0 / alpha.tan().powi(2));
             assert!((back - alpha).abs() < bound, "{alpha}: {back}");
         }
-    }
-
-    fn webbed() -> Gear {
-        Gear {
-            body: Some(Body {
-                rim_radius: 28e-3,
-                web: [5e-3, 12e-3],
-                hub_radius: 20e-3,
-                hub: [-3e-3, 25e-3],
-                held_ends: [false; 2],
-            }),
-            ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
-        }
-    }
-
-    #[test]
-    fn mirroring_twice_gives_the_body_back_and_rings_join_from_the_held_surface_to_the_teeth() {
-        let (gear, body) = (webbed(), webbed().body.unwrap());
-        let turned = gear.turned().unwrap().body.unwrap();
-        assert_eq!(turned.hub, [0.0, 28e-3]);
-        let back = turned.mirrored(gear.face_width);
-        assert_abs_diff_eq!(body.web[..], back.web[..], epsilon = 1e-15);
-        assert_abs_diff_eq!(body.hub[..], back.hub[..], epsilon = 1e-15);
-        let rings = gear.annuli(34e-3);
-        assert_eq!(rings.len(), 3);
-        assert_eq!(rings[0].radii[0], gear.held_radius);
-        assert!(rings.windows(2).all(|w| w[0].radii[1] == w[1].radii[0]));
-        assert_eq!(rings[2].radii[1], 34e-3);
-        // A web that reaches the bore has no hub.
-        let mut plain = gear.clone();
-        plain.body.as_mut().unwrap().hub_radius = gear.held_radius;
-        assert_eq!(plain.annuli(34e-3).len(), 2);
     }
 }

@@ -6,22 +6,17 @@
 mod macrogeometry;
 mod microgeometry;
 mod pair_geometry;
-mod profile;
 #[cfg(test)]
 #[path = "../../tests/common/gears.rs"]
 pub mod samples;
 pub mod teeth;
-pub mod tolerance;
 mod topography;
 
-pub use macrogeometry::{
-    Annulus, Body, Gear, GearKind, GeometryError, Stub, inverse_involute, involute,
-};
+pub use macrogeometry::{Body, Gear, GearKind, GeometryError, inverse_involute, involute};
 pub use microgeometry::{
     EndRelief, Microgeometry, PairMicrogeometry, ProfileCrowning, ProfileRelief, ProfileSlope,
     ReliefShape,
 };
 pub use pair_geometry::{BothFlanks, Flank, PairGeometry, PathOfContact};
-pub use profile::{ProfileError, ProfilePoint, ToothProfile, protuberance_form_radius};
 pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 pub use topography::{ProfilePiece, Topography, TopographyError};

@@ -18,7 +18,6 @@ mod records;
 #[cfg(test)]
 #[path = "../../tests/common/spring.rs"]
 pub mod samples;
-mod summary;
 mod teeth;
 
 pub use crate::accuracy::{InterpolationError, RootStressError};

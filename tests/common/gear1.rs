@@ -1,7 +1,7 @@
 //! Contact in the convention of programs that hold gear 2 and turn gear 1 under its own torque.
 
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver};
 use gearmesh::gear::Flank;
+use gearmesh_preprocessor::static_contact::{ContactError, ContactResult, ContactSolver};
 
 /// Contact under the torque (N m) of gear 1 alone, where gear 2 stands at the mesh `position` with the centre distance `offset` (m) and the
 /// `misalignment` (rad).

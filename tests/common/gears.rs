@@ -2,8 +2,7 @@
 
 #![allow(dead_code)] // none needs all of them
 
-use gearmesh::gear::{Gear, GearKind, PairGeometry, ToothProfile};
-use gearmesh::root::bisection;
+use gearmesh::gear::{Gear, GearKind, PairGeometry};
 
 /// A gear with rack, face and material of the paper's Table 1 (module 4 mm, 20 deg, face 25 mm): the tip stands one
 /// transverse module above the reference circle (ring: within it), shifted with the profile; held at a bore of
@@ -37,24 +36,6 @@ pub fn gear(kind: GearKind, teeth: u32, hand: f64, helix_deg: f64, profile_shift
         gear.held_radius = reference + 20e-3;
     }
     gear
-}
-
-/// Half angle of the tooth's material at `radius`, rad, on the outline between root circle and tip (there: the angle to the
-/// fillet or to the involute). None outside.
-pub fn half_thickness_angle(profile: &ToothProfile, radius: f64) -> Option<f64> {
-    let (gear, rounding) = (profile.gear(), 1e-12 * profile.gear().root_radius());
-    // Distance outside, in the sense from root to tip.
-    let above = |limit: f64| gear.kappa() * (radius - limit);
-    if radius.is_nan() || above(gear.root_radius()) < -rounding || above(gear.tip_radius) > rounding
-    {
-        return None;
-    }
-    if above(profile.form_radius()) >= 0.0 {
-        return Some(profile.point_on_flank(gear.roll_length(radius)).angle());
-    }
-    let fillet = |t: f64| profile.fillet(t);
-    let t = bisection([0.0, 1.0], 60, |t| above(fillet(t).radius()) > 0.0);
-    Some(fillet(t).angle())
 }
 
 /// `gear` with all lengths in proportion to the normal module `module`, m.

@@ -2,13 +2,14 @@
 
 #![allow(dead_code)] // none needs all of it
 
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Gear;
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::compliance::ToothCompliance;
 use gearmesh_preprocessor::finite_element::{
     FiniteElementCompliance, ModelCache, PairCompliance, Settings,
 };
+use gearmesh_preprocessor::gear::{Pair, Refinement};
+use gearmesh_preprocessor::static_contact::ContactSolver;
 use gearmesh_preprocessor::table::Progress;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};

@@ -26,7 +26,7 @@ fn relieved(amount: f64, share: f64) -> Pair {
 fn cycle(pair: &Pair, stations: usize, torque: f64) -> MeshCycle {
     let settings = ContactSettings {
         stations,
-        ..ContactSettings::for_pair(pair)
+        ..contact_settings(pair)
     };
     mesh_cycle(&coarse_solver(pair, settings), torque, 0.0, 16)
 }

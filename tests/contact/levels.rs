@@ -53,7 +53,7 @@ impl Rubbing {
         let mut pair = pair::from_json(text).unwrap();
         pair.friction = friction;
         pair.operating.center_distance_offset = [0.0; 2];
-        let settings = ContactSettings::for_pair(&pair);
+        let settings = contact_settings(&pair);
         let ready = Ready::new(pair, settings, None);
         let Ready {
             pair,

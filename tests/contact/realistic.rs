@@ -96,7 +96,7 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
         }
         for v in 0..VARIANTS {
             let (pair, misalignment) = variant(n, v).unwrap();
-            let mut contact = ContactSettings::for_pair(&pair);
+            let mut contact = contact_settings(&pair);
             contact.stations = [contact.stations, 20, 40, 80, contact.stations][v];
             let solver = solver(&pair, &Settings::for_pair(&pair), Some(&cache), contact);
             for tau in [draw(n, 14), draw(n, 15), 0.5] {
@@ -145,7 +145,7 @@ fn the_smallest_pair_bears_its_largest_load_at_the_ends_of_what_its_fields_allow
         }
         let pair = pair::from_json(&file.to_string()).unwrap();
         let settings = Settings::for_pair(&pair);
-        let solver = solver(&pair, &settings, None, ContactSettings::for_pair(&pair));
+        let solver = solver(&pair, &settings, None, contact_settings(&pair));
         let operating = &pair.operating;
         for position in [0.1, 0.35, 0.6, 0.85] {
             for offset in operating.center_distance_offset {

@@ -33,7 +33,7 @@ fn agrees(name: &str, most: f64, [each, of_mean, of_swing]: [f64; 3]) {
         plane_strain,
         ..Settings::for_pair(&pair)
     };
-    let mut contact = ContactSettings::for_pair(&pair);
+    let mut contact = contact_settings(&pair);
     if plane_strain {
         contact.stations = 1;
     }

@@ -1,7 +1,7 @@
 //! Stress in the tooth roots over mesh cycles, against independent finite elements and beside ISO 6336-3.
 
 use super::*;
-use gearmesh::compliance::Segment;
+use gearmesh::contact::Segment;
 use gearmesh_preprocessor::NominalRootStress;
 
 /// Two equal gears of opposite hand, 20 teeth, module 3 mm.

@@ -129,7 +129,7 @@ fn a_pose_that_is_solved_is_solved_again_from_its_own_forces() {
         "operating": { "nominal_torque_nm": 60, "maximum_torque_nm": 120,
             "center_distance_offset_um": [0, 0], "misalignment_mrad": [-1.5, 1.0] } }"#;
     let pair = pair::from_json(text).unwrap();
-    let solver = coarse_solver(&pair, ContactSettings::for_pair(&pair)).at_run_time();
+    let solver = coarse_solver(&pair, contact_settings(&pair)).at_run_time();
     let contact = contact_file(&pair, &solver).unwrap();
     let contact = contact.flank(Flank::Drive).unwrap();
     let mut random = Random::new(2);

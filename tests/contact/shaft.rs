@@ -11,7 +11,7 @@ fn face_load_factor_and_misalignment_on_the_shaft_of_a_textbook_are_those_of_fin
     let data: Value = serde_json::from_str(include_str!("../data/shaft_contact.json")).unwrap();
     let pair = pair::from_json(&data["pair"].to_string()).unwrap();
     let settings = Settings::for_pair(&pair);
-    let solver = solver(&pair, &settings, None, ContactSettings::for_pair(&pair));
+    let solver = solver(&pair, &settings, None, contact_settings(&pair));
     let input = CycleInput {
         flank: Flank::Drive,
         center_distance_offset: 0.0,

@@ -46,7 +46,7 @@ fn each_agrees_with_fresh_solutions_within_its_stated_error() {
     for name in TABLES {
         let (file, pair) = shipped(name);
         let settings = Settings::for_pair(&pair);
-        let solver = solver(&pair, &settings, None, ContactSettings::for_pair(&pair));
+        let solver = solver(&pair, &settings, None, contact_settings(&pair));
         let coverage = Coverage {
             // Just inside the ranges: other random points than those of the error in the file.
             center_distance_offset: Some(pair.operating.center_distance_offset.map(|c| 0.97 * c)),

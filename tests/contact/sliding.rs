@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::fzg::{FZG, c14};
-use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
+use gearmesh::contact::Segment;
+use gearmesh_preprocessor::compliance::{BeyondModel, ToothCompliance};
 use nalgebra::DMatrix;
 
 /// Segments that do not know of each other: where forces are prescribed, no more is asked.
@@ -31,7 +32,7 @@ fn even_line_load(pair: &Pair) -> Vec<Sliding> {
         .map(|i| {
             let problem = solver.position(Flank::Drive, (f64::from(i) + 0.5) / 200.0, 0.0);
             let problem = problem.unwrap();
-            let segments = problem.candidates.iter().map(|c| SegmentLoad {
+            let segments = problem.candidates().iter().map(|c| SegmentLoad {
                 force: c.z[1] - c.z[0],
                 ..SegmentLoad::default()
             });

@@ -1,7 +1,7 @@
 //! Teeth that differ, in contact at run time.
 
 use super::*;
-use gearmesh::compliance::Segment;
+use gearmesh::contact::Segment;
 use nalgebra::Complex;
 
 fn ready(text: &str) -> Ready {
@@ -118,7 +118,7 @@ fn a_tooth_that_carries_alone_has_the_root_stress_of_the_whole_load() {
         let share = if tau < 0.2 { 0.999..1.001 } else { 0.3..0.93 };
         let problem = ready.solver.position(Flank::Drive, tau, 0.0).unwrap();
         let own = |c: &&Candidate| c.tooth_pair == 0;
-        let candidate = problem.candidates.iter().find(own).unwrap();
+        let candidate = problem.candidates().iter().find(own).unwrap();
         for i in 0..2 {
             let gear = &ready.pair.geometry.gears[i];
             let whole = Segment {

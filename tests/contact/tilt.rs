@@ -97,7 +97,7 @@ fn a_tilt_closes_helical_flanks_as_two_exact_helicoids() {
         for flank in [Flank::Drive, Flank::Coast] {
             let problem = solver.position(flank, tau, 0.0).unwrap();
             let mut compared = 0;
-            for segment in &problem.candidates {
+            for segment in problem.candidates() {
                 // Off the path of contact the normal is another.
                 if (segment.arms[0] - 1.0).abs() > 1e-6 {
                     continue;

@@ -1,7 +1,7 @@
 //! Claims about tooth pairs one by one (`stiffnessModel = teeth`), on a real pair with coarse finite elements.
 
 use super::*;
-use gearmesh::gear::tolerance::random_index_errors;
+use gearmesh_preprocessor::gear::tolerance::random_index_errors;
 
 /// That of the pair file.
 const MISALIGNMENT: [f64; 2] = [-3e-3, 3e-3];
@@ -440,7 +440,7 @@ fn one_coupling_of_a_distance_holds_at_all_misalignments() {
         ..RECORD.clone()
     });
     one.check(&READY.pair.geometry).unwrap();
-    assert!(one.in_words().contains("others take 0.90 um/kN"));
+    assert!(gearmesh_preprocessor::table::teeth_in_words(&one).contains("others take 0.90 um/kN"));
     let levels = [&one, &everywhere].map(level);
     let mut random = Random::new(9);
     for _ in 0..100 {

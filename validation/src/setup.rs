@@ -5,17 +5,18 @@
 mod gears;
 
 use crate::{Result, in_repository};
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::{ContactFile, ContactResult, ContactSettings, ContactSolver};
+use gearmesh::contact::{ContactFile, ContactSettings};
 use gearmesh::gear::{Flank, GearKind, PairGeometry};
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile, TeethRecord};
+use gearmesh_preprocessor::compliance::ToothCompliance;
 use gearmesh_preprocessor::contact::{
     CycleInput, ElasticModels, LoadCase, MeshCycle, ModelSettings, contact_file,
 };
 use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::static_contact::{ContactResult, ContactSolver};
 use gearmesh_preprocessor::table::{
     Coverage, TeethSweep, default_axes, default_teeth_axes, displacement_nodes, mesh_positions,
     sweep,

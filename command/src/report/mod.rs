@@ -6,11 +6,11 @@ mod shafts;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
 use gearmesh::table::{Table, TableFile};
-use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::static_contact::ContactSolver;
+use gearmesh_preprocessor::{pair, table};
 
 use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words};
 use crate::columns::{Column, Listing, columns, lines, list};
@@ -181,7 +181,10 @@ impl Report {
                 "--tables = {path}: made for another gear geometry than {own}; name this pair's tables"
             );
         }
-        Ok(Section::new("Tables", path.to_string(), vec![]).with_text(file.size_and_error()))
+        Ok(
+            Section::new("Tables", path.to_string(), vec![])
+                .with_text(table::size_and_error(&file)),
+        )
     }
 
     /// Name and sections of the variant in the file `path`.

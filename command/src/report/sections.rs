@@ -1,11 +1,12 @@
 //! What a report shows, section by section: transmission error, stiffness and losses over the mesh cycle and over the operating
 //! range, the modifications as a gear is inspected, pressure and load on the flanks, stress in the roots.
 
-use gearmesh::contact::{ContactResult, ContactSolver, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Loss, ohlendorf};
-use gearmesh::gear::{Flank, GearKind, PairGeometry, ToothProfile};
-use gearmesh::pair::Pair;
+use gearmesh::gear::{Flank, GearKind, PairGeometry};
 use gearmesh::words::rounded;
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::gear::ToothProfile;
+use gearmesh_preprocessor::static_contact::{ContactResult, ContactSolver, SegmentLoad};
 
 use crate::case::{Case, Variant, torque_in_words};
 use crate::error::Result;

@@ -1,10 +1,10 @@
 //! Shafts on their bearings: drawn, bent, and what they do to the contact in both senses of the torque.
 
-use gearmesh::contact::ContactError;
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Shaft};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
+use gearmesh_preprocessor::gear::{Pair, Shaft};
 use gearmesh_preprocessor::shaft::{ShaftState, misalignment_range};
+use gearmesh_preprocessor::static_contact::ContactError;
 
 use super::sections::{Loads, POSITIONS};
 use crate::case::{Case, Variant, torque_in_words};

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use gearmesh::contact::Deflection;
 use gearmesh::gear::{Flank, PairGeometry};
-use gearmesh::pair::Pair;
 use gearmesh::words::{count, rounded};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
+use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::shaft::misalignment_range;
+use gearmesh_preprocessor::static_contact::Deflection;
 use gearmesh_preprocessor::storage::csv_reader;
 use serde::Deserialize;
 use serde_json::json;

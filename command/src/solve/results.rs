@@ -5,11 +5,12 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use gearmesh::contact::{ContactSolver, RootPoint, SegmentLoad};
+use gearmesh::contact::RootPoint;
 use gearmesh::gear::PairGeometry;
-use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, harmonics};
+use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::shaft::{AtNode, BearingLoad, ShaftState};
+use gearmesh_preprocessor::static_contact::{ContactSolver, SegmentLoad};
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 

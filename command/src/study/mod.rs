@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use gearmesh::gear::tolerance;
-use gearmesh::pair::Pair;
 use gearmesh::words::hex;
 use gearmesh_preprocessor::contact::ModelSettings;
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::gear::tolerance;
 use gearmesh_preprocessor::pair::{self, PairDraft};
 use indicatif::HumanDuration;
 use rayon::prelude::*;

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
 use gearmesh::words::{number, rounded, shown};
 use gearmesh_preprocessor::contact::{CycleInput, ElasticModels, LoadCase, ModelSettings};
+use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::pair::PairDraft;
 use gearmesh_preprocessor::shaft::held_by_its_shafts;
+use gearmesh_preprocessor::static_contact::ContactSolver;
 use gearmesh_preprocessor::storage::csv_reader;
 
 use super::statistics::{

@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use gearmesh::gear::tolerance;
-use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 use gearmesh::words::rounded;
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::gear::tolerance;
 use gearmesh_preprocessor::pair::PairDraft;
 use serde::Serialize;
 

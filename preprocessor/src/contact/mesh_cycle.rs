@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::gear::Shaft;
 use crate::pair::LARGEST_DEFLECTION;
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
+use crate::static_contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::{Flank, PairGeometry};
-use gearmesh::pair::Shaft;
 use gearmesh::words::count;
 
 use crate::shaft::{ShaftState, Shafts};

@@ -10,11 +10,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::finite_element::RootStress;
-use gearmesh::contact::{
-    CondensedFlank, CondensedRoots, ContactError, ContactFile, ContactSetup, ContactSolver,
-};
+use crate::gear::Pair;
+use crate::static_contact::{ContactError, ContactSolver};
+use gearmesh::contact::{CondensedFlank, CondensedRoots, ContactFile, ContactSetup};
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
 
 pub use mesh_cycle::{
     CycleInput, ENOUGH_SEGMENTS, FaceLoad, HARMONICS, Harmonic, LoadCase, MeshCycle, harmonics,

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::{ContactError, ContactSettings, ContactSolver};
+use crate::compliance::ToothCompliance;
+use crate::gear::Pair;
+use crate::static_contact::{ContactError, ContactSolver, contact_settings};
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
 
 use crate::finite_element::{
     FiniteElementError, ModelCache, Origin, PairCompliance, RootStress, Settings, Stage,
@@ -21,7 +22,7 @@ pub type StageProgress<'a> = &'a (dyn Fn(&str, f64) + Sync);
 pub struct ModelSettings {
     /// Hold the axial displacement: every slice deforms by itself, as in a two-dimensional calculation.
     pub plane_strain: bool,
-    /// Stations along the face; None: those of [`ContactSettings::for_pair`], and fewer for contact at run time.
+    /// Stations along the face; None: those of [`contact_settings`], and fewer for contact at run time.
     pub stations: Option<usize>,
     /// Where finite-element models are kept; None: each is computed anew.
     pub cache: Option<ModelCache>,
@@ -38,7 +39,7 @@ impl ModelSettings {
 
     /// Settings of the contact of `pair`.
     pub fn contact(&self, pair: &Pair) -> ContactSettings {
-        let settings = ContactSettings::for_pair(pair);
+        let settings = contact_settings(pair);
         ContactSettings {
             stations: self.stations.unwrap_or(settings.stations),
             ..settings

@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::mesh_cycle::{CycleInput, MeshCycle};
 use crate::finite_element::{RootStress, SpreadSegments};
-use gearmesh::compliance::Segment;
-use gearmesh::contact::{
-    ContactError, ContactResult, ContactSolver, PositionProblem, RootField, RootPoint, SegmentLoad,
+use crate::static_contact::{
+    ContactError, ContactResult, ContactSolver, PositionProblem, SegmentLoad,
 };
+use gearmesh::contact::Segment;
+use gearmesh::contact::{RootField, RootPoint};
 
 /// Stress in the root of one tooth at one mesh position. z of its points is in gear 1's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +66,7 @@ pub struct PositionRoots<'a> {
 impl<'a> PositionRoots<'a> {
     /// Of all segments of `problem`; `models` are those of gear 1 and gear 2 for its flank.
     pub fn new(problem: &PositionProblem, models: &'a [Arc<RootStress>; 2]) -> Self {
-        let offset = problem.center_distance_offset;
+        let offset = problem.contact.center_distance_offset;
         Self::of_segments(&problem.seen, offset, models)
     }
 

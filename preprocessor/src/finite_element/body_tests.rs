@@ -3,10 +3,11 @@
 use super::mesh::Layers;
 use super::tests::{model, plane, segment};
 use super::*;
+use crate::gear::Refinement;
+use crate::gear::body::Stub;
 use crate::samples;
 use approx::assert_relative_eq;
-use gearmesh::gear::{Body, GearKind, Stub};
-use gearmesh::pair::Refinement;
+use gearmesh::gear::{Body, GearKind};
 use serde_json::Value;
 use std::f64::consts::PI;
 
@@ -65,10 +66,10 @@ fn thin_rims_and_pinion_shafts_give_way_like_an_independent_model_of_the_whole_g
             let full = disc(&gear);
             let disc = bulk(&full);
             assert!(disc[0] < 0.8 * found[0], "{} {}", disc[0], found[0]);
-            assert!(full.body_twist() < 0.7 * gear.body_twist());
-            assert_eq!(full.body_tilt_and_foundation(), 0.0);
+            assert!(body::twist(&full) < 0.7 * body::twist(&gear));
+            assert_eq!(body::tilt_and_foundation(&full), 0.0);
             assert_eq!(
-                gear.body_tilt_and_foundation() > 0.0,
+                body::tilt_and_foundation(&gear) > 0.0,
                 gear.helix_angle > 0.0
             );
         }
@@ -109,7 +110,7 @@ fn layers_end_at_every_face_of_the_body_and_mirror_with_it() {
     }
     let face = [own.of_face()[0], own.of_face()[own.face.len()]];
     assert_eq!(face, [0.0, 25e-3]);
-    let turned = layers(&gear.turned().unwrap()).stations;
+    let turned = layers(&body::turned(&gear).unwrap()).stations;
     assert_eq!(turned.len(), own.stations.len());
     for (a, b) in turned.iter().rev().zip(&own.stations) {
         assert!((25e-3 - a - b).abs() < 1e-12);
@@ -223,7 +224,7 @@ fn a_ring_on_a_soft_foundation_moves_as_a_rigid_body() {
         }
         let softness = (1.0 + turn) / (stiffness * area);
         assert_relative_eq!(
-            gear.body_tilt_and_foundation(),
+            body::tilt_and_foundation(&gear),
             softness,
             max_relative = 1e-12
         );
@@ -250,7 +251,7 @@ fn pinion_shaft(length: f64) -> Gear {
         length,
         held,
     };
-    gear.body = Some(Body::shaft(
+    gear.body = Some(body::shaft(
         [stub(12e-3, false), stub(length, true)],
         gear.face_width,
     ));
@@ -295,9 +296,9 @@ fn a_longer_shaft_twists_and_bends_as_beam_theory_says() {
     assert_relative_eq!(more[1], expected, max_relative = 2e-2);
     // What the estimates say of the whole.
     let gear = pinion_shaft(60e-3);
-    let twist = gear.base_radius().powi(2) * gear.body_twist();
+    let twist = gear.base_radius().powi(2) * body::twist(&gear);
     assert_relative_eq!(compliances[1][0], twist, max_relative = 0.3);
-    let bent = gear.body_tilt_and_foundation();
+    let bent = body::tilt_and_foundation(&gear);
     assert_relative_eq!(compliances[1][1], bent, max_relative = 0.3);
 }
 

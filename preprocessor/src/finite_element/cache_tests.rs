@@ -1,10 +1,10 @@
 use super::*;
+use crate::compliance::ToothCompliance;
 use crate::finite_element::tests::{plane, segment};
 use crate::finite_element::{FiniteElementCompliance, PairCompliance, Settings};
+use crate::gear::Refinement;
 use crate::samples;
-use gearmesh::compliance::ToothCompliance;
 use gearmesh::gear::{Gear, GearKind, PairGeometry};
-use gearmesh::pair::Refinement;
 use nalgebra::DMatrix;
 
 fn gear(teeth: u32) -> Gear {

@@ -5,10 +5,11 @@ use super::mesh::{LoadColumn, Mesh};
 use super::section::Outline;
 use super::tests::plane;
 use super::*;
+use crate::gear::Refinement;
+use crate::gear::ToothProfile;
 use crate::samples;
 use approx::assert_relative_eq;
-use gearmesh::gear::{GearKind, ToothProfile};
-use gearmesh::pair::Refinement;
+use gearmesh::gear::GearKind;
 use std::f64::consts::PI;
 
 fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {

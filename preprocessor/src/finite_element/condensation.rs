@@ -371,9 +371,9 @@ mod tests {
     use super::*;
     use crate::finite_element::model::Model;
     use crate::finite_element::tests::plane;
+    use crate::gear::Refinement;
     use crate::samples;
     use gearmesh::gear::GearKind;
-    use gearmesh::pair::Refinement;
 
     #[test]
     fn parts_leave_the_schur_complement_of_the_whole_matrix() {

@@ -3,12 +3,13 @@
 
 use super::*;
 use crate::contact::{CycleInput, LoadCase, MeshCycle};
+use crate::gear::Pair;
 use crate::package::theoretical_pair_stiffness;
 use crate::pair;
+use crate::static_contact::{ContactSolver, contact_settings};
 use approx::assert_relative_eq;
-use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
 
 /// Face of the plane-strain pairs, mm; any.
 const FACE: f64 = 10.0;
@@ -185,12 +186,12 @@ fn a_ring_carries_its_torque_on_the_end_of_its_face() {
     // Flat flanks, and all load on a few millimetres: contacts as wide as a quarter of the tooth is high.
     let text = include_str!("../../../resources/pairs/planet-ring-27-84.json");
     let mut pair = pair::from_json(text).unwrap();
-    pair.refinement = gearmesh::pair::Refinement::Coarse;
+    pair.refinement = crate::gear::Refinement::Coarse;
     let torque = 1.5 * pair.operating.nominal_torque;
     pair.operating.maximum_torque = torque;
     pair.operating.misalignment = [-3e-3, 3e-3];
     let [first, second] = models(&pair, false);
-    let contact = ContactSettings::for_pair(&pair);
+    let contact = contact_settings(&pair);
     let mut longer = contact;
     longer.stations = contact.stations * 4 / 5;
     let solvers = [contact, longer].map(|settings| {
@@ -204,7 +205,7 @@ fn a_ring_carries_its_torque_on_the_end_of_its_face() {
         assert!(fine.kkt_residual < 1e-8, "{}", fine.kkt_residual);
         // Teeth give way by 37 um at the end of the face. The load there falls off over some five segments;
         // segments a quarter longer follow it within a hundredth.
-        let end = |r: &gearmesh::contact::ContactResult| r.approach + 3e-3 * 10e-3;
+        let end = |r: &crate::static_contact::ContactResult| r.approach + 3e-3 * 10e-3;
         assert_relative_eq!(end(&fine), end(&coarse), max_relative = 1e-2);
     }
 }

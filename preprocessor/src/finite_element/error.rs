@@ -1,6 +1,6 @@
 //! Why a finite-element compliance could not be computed.
 
-use gearmesh::gear::ProfileError;
+use crate::gear::ProfileError;
 
 /// Why a finite-element compliance could not be computed.
 #[derive(Debug, thiserror::Error)]

@@ -2,7 +2,7 @@
 
 use super::element::{GAUSS3, QUAD8, shape};
 use super::section::{Outline, Section};
-use gearmesh::compliance::Segment;
+use gearmesh::contact::Segment;
 use gearmesh::root::bisection;
 use std::collections::BTreeMap;
 
@@ -67,7 +67,7 @@ impl FlankGrid {
         EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1])
     }
 
-    /// As [`gearmesh::compliance::ToothCompliance::corner_resolution`].
+    /// As [`crate::compliance::ToothCompliance::corner_resolution`].
     pub fn edge_resolution(&self) -> f64 {
         HALF_KERNEL_FROM_EDGE * self.edge_half_width().min(self.kernel_half_width)
     }

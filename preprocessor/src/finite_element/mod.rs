@@ -31,9 +31,11 @@ pub use model::{Progress, Stage, centre_line_compliance, sector_unknowns};
 pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};
 
+use crate::compliance::{BeyondModel, ToothCompliance};
+use crate::gear::body;
 use cache::Stored;
 use flank::{FlankGrid, Weights};
-use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
+use gearmesh::contact::Segment;
 use gearmesh::gear::{Flank, Gear, PairGeometry};
 use model::Model;
 use nalgebra::DMatrix;
@@ -81,7 +83,7 @@ impl FiniteElementCompliance {
             Ok((found, origin))
         };
         let (mut model, mut origin) = one(gear)?;
-        if let Some(gear) = gear.turned() {
+        if let Some(gear) = body::turned(gear) {
             let (turned, of_turned) = one(&gear)?;
             // Of a gear with two models the one that was not simply read.
             if of_turned != Origin::Loaded {
@@ -325,7 +327,7 @@ impl PairCompliance {
         cache: &ModelCache,
     ) -> Result<bool, FiniteElementError> {
         for gear in &pair.gears {
-            for gear in gear.turned().iter().chain([gear]) {
+            for gear in body::turned(gear).iter().chain([gear]) {
                 if !cache.holds(&Model::new(gear, settings)?) {
                     return Ok(false);
                 }
@@ -365,7 +367,7 @@ pub fn pair_root_stress(
     let settings = settings.for_root_stress();
     // As segments see them: turned end for end where they are mirrored.
     let gears = [0, 1].map(|i| {
-        let turned = pair.gears[i].turned();
+        let turned = body::turned(&pair.gears[i]);
         let turned = turned.filter(|_| pair.is_mirrored(flank, i));
         turned.unwrap_or_else(|| pair.gears[i].clone())
     });

@@ -361,9 +361,9 @@ mod tests {
     use crate::finite_element::condensation::condense;
     use crate::finite_element::mesh::LoadColumn;
     use crate::finite_element::model::Model;
+    use crate::gear::Refinement;
     use crate::samples;
     use gearmesh::gear::{Body, GearKind};
-    use gearmesh::pair::Refinement;
 
     #[test]
     fn harmonics_left_out_change_influences_by_less_than_a_hundred_millionth() {

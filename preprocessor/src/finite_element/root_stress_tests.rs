@@ -1,9 +1,10 @@
 use super::*;
 use crate::finite_element::tests::{self, plane};
+use crate::gear::Refinement;
+use crate::gear::ToothProfile;
 use crate::samples;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use gearmesh::gear::{GearKind, PairGeometry, ToothProfile, involute};
-use gearmesh::pair::Refinement;
+use gearmesh::gear::{GearKind, PairGeometry, involute};
 use gearmesh::root::bisection;
 
 fn spur() -> Gear {

@@ -17,7 +17,8 @@
 
 use super::element::QUAD8;
 use super::settings::{Discretization, divide, graded, graded_from_both, halved};
-use gearmesh::gear::{Gear, GearKind, ToothProfile};
+use crate::gear::ToothProfile;
+use gearmesh::gear::{Gear, GearKind};
 
 /// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
 pub(super) type Polar = [f64; 2];

@@ -18,6 +18,7 @@
 
 use std::f64::consts::PI;
 
+use crate::gear::body;
 use gearmesh::gear::{Flank, Gear, GearKind, PairGeometry};
 use gearmesh::root::bisection;
 use gearmesh::table::{Query, Table};
@@ -54,7 +55,7 @@ impl Blank {
     /// The body of `gear`.
     pub fn new(gear: &Gear) -> Self {
         let mut sum = Self::default();
-        for ring in gear.annuli(gear.reference_radius()) {
+        for ring in body::annuli(gear, gear.reference_radius()) {
             let [inner, outer] = ring.radii.map(|r| r * r);
             let width = ring.z[1] - ring.z[0];
             let mass = STEEL_DENSITY * PI * (inner - outer).abs() * width;

@@ -2,8 +2,8 @@
 //!
 //! These types say which fields there are, what is optional and what stands in for it; docs/pair-file.md says what they mean.
 
+use crate::gear::Refinement;
 use gearmesh::gear::ReliefShape;
-use gearmesh::pair::Refinement;
 use gearmesh::words::rounded;
 use serde::{Deserialize, Serialize};
 

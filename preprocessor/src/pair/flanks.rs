@@ -14,8 +14,8 @@ use super::file::{
 };
 use super::mesh::short_tooth;
 use super::text;
+use crate::gear::tolerance::{CLASSES, random_index_errors};
 use crate::storage::csv_reader;
-use gearmesh::gear::tolerance::{CLASSES, random_index_errors};
 use gearmesh::gear::{
     BothFlanks, EndRelief, Flank, Gear, Microgeometry, OwnFlank, PairGeometry, PairMicrogeometry,
     PairTeeth, ProfileCrowning, ProfileRelief, ProfileSlope, Runout, ToothErrors, Topography,

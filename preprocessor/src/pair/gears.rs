@@ -6,9 +6,9 @@ use super::checks::{
 };
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
 use super::temperature;
-use gearmesh::gear::{
-    Body, Gear, GearKind, PairGeometry, ProfileError, Stub, ToothProfile, inverse_involute,
-};
+use crate::gear::body::{self, Stub};
+use crate::gear::{ProfileError, ToothProfile};
+use gearmesh::gear::{Body, Gear, GearKind, PairGeometry, inverse_involute};
 use gearmesh::words::rounded;
 
 /// Gear `i` with a helix angle of `helix` degrees on gear 1 and no profile shift, without circles at tip and bore
@@ -384,7 +384,7 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
         length: pieces[end].1.map_or(0.0, |piece| piece.length_mm) * MM,
         held: held[end],
     });
-    let body = Body::shaft(stubs, gear.face_width);
+    let body = body::shaft(stubs, gear.face_width);
     if g.bore_diameter_mm.is_none() {
         gear.held_radius = BORE_OF_SOLID * body.hub_radius;
     }

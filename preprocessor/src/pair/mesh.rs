@@ -3,7 +3,8 @@
 use super::checks::{Refusal, ensure, in_gear, note, refusal, remedy};
 use super::file::{MM, PairFile, UM};
 use super::gears::{self, tip_field, usual_tip_radius};
-use gearmesh::gear::{Gear, GearKind, PairGeometry, ToothProfile, involute};
+use crate::gear::ToothProfile;
+use gearmesh::gear::{Gear, GearKind, PairGeometry, involute};
 use gearmesh::words::{number, rounded};
 
 /// The ring's default tip: where an addendum of one module would run into the pinion's fillet at some
@@ -379,8 +380,10 @@ fn assembles_radially(geometry: &PairGeometry) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::{self, half_thickness_angle};
-    use gearmesh::gear::{GearKind, ToothProfile};
+    use crate::gear::ToothProfile;
+    use crate::gear::half_thickness_angle;
+    use crate::samples;
+    use gearmesh::gear::GearKind;
 
     /// Pinion of `teeth` in a ring of 60, module 1, without backlash.
     fn internal(teeth: u32) -> PairGeometry {

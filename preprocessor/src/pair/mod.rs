@@ -25,13 +25,13 @@ pub use mesh::LARGEST_DEFLECTION;
 pub use modifications::{modifications, topographies, topography};
 pub use text::PairError;
 
+use crate::gear::{Operating, Pair, Shaft};
 use checks::{
     LARGEST_MISALIGNMENT, LEAST_HELIX, both, ensure, every, in_gear, limits, refusal, suspicious,
 };
 use file::{FrictionFile, FrictionLawFile, PairFile, UM};
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Gear, GearKind, PairGeometry, PairTeeth};
-use gearmesh::pair::{Operating, Pair, Shaft};
 use serde_json::Value;
 
 use crate::shaft::misalignment_range;

@@ -1,7 +1,7 @@
 //! Flank modifications in words, as summaries and tables files have them.
 
+use crate::gear::Pair;
 use gearmesh::gear::{Flank, Gear, Microgeometry, PairGeometry, ReliefShape};
-use gearmesh::pair::Pair;
 use gearmesh::words::fixed;
 
 const BOTH: &str = "both flanks";

@@ -2,8 +2,8 @@
 
 use super::checks::{ABOVE_0, Refusals, both, check, ensure, every, in_gear, limits, refusal};
 use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM};
+use crate::gear::{Bearing, Shaft, ShaftSection};
 use gearmesh::gear::{Body, Gear, PairGeometry};
-use gearmesh::pair::{Bearing, Shaft, ShaftSection};
 use gearmesh::words::{fixed, rounded};
 
 use super::mesh::LARGEST_DEFLECTION;

@@ -150,9 +150,9 @@ fn expand_rolls(flank: &mut Microgeometry, common: f64) {
 
 #[cfg(test)]
 mod tests {
+    use crate::gear::Pair;
     use crate::pair::from_json;
     use approx::assert_relative_eq;
-    use gearmesh::pair::Pair;
 
     /// A plastic wheel on a steel pinion at `celsius`; expansions of pinion, wheel and housing, um/(m K).
     fn warm(celsius: f64, expansions: [f64; 3]) -> Result<Pair, String> {

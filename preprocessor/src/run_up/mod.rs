@@ -399,16 +399,16 @@ mod tests {
             ([-0.05, 0.075], [0.5, 0.5]),
             ([-0.15, -0.05], [0.625, 1.625]),
         ] {
-            let bearing = |z| gearmesh::pair::Bearing {
+            let bearing = |z| crate::gear::Bearing {
                 z,
                 radial_stiffness: 1e9,
                 axial_stiffness: 1e8,
                 tilt_stiffness: 0.0,
                 free_radius: 0.0,
             };
-            let shaft = gearmesh::pair::Shaft {
+            let shaft = crate::gear::Shaft {
                 start: -0.15,
-                sections: vec![gearmesh::pair::ShaftSection {
+                sections: vec![crate::gear::ShaftSection {
                     radii: [0.0, 0.015],
                     length: 0.25,
                 }],

@@ -5,8 +5,8 @@
 
 use std::f64::consts::PI;
 
+use crate::gear::{Bearing, Shaft};
 use gearmesh::gear::Gear;
-use gearmesh::pair::{Bearing, Shaft};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Pieces that a shaft is divided into at least, for the drawing of its deflection: under loads at its nodes the beams are exact.
@@ -462,10 +462,10 @@ fn element(section: &Rigidity, length: f64) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gear::ShaftSection;
     use crate::samples;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
     use gearmesh::gear::GearKind;
-    use gearmesh::pair::ShaftSection;
 
     const E: f64 = 206e9;
     const SPAN: f64 = 0.2;

@@ -14,11 +14,12 @@
 
 mod beam;
 
-use gearmesh::contact::{
-    ContactError, ContactResult, ContactSolver, Deflection, Failure, PositionProblem, Prescribed,
+use crate::gear::{Pair, Shaft};
+use crate::static_contact::{
+    ContactError, ContactResult, ContactSolver, Deflection, PositionProblem,
 };
+use gearmesh::contact::{Failure, Prescribed};
 use gearmesh::gear::{Flank, Gear, PairGeometry};
-use gearmesh::pair::{Pair, Shaft};
 use nalgebra::{DMatrix, DVector};
 
 pub use beam::{AtNode, BearingLoad};
@@ -329,17 +330,9 @@ impl Shafts {
         let mut present = Deflection::default();
         let mut closing = before.map_or(vec![0.0; STATIONS], |(_, state)| state.closing.clone());
         let mut warm = before.map(|(result, _)| result.clone());
-        let mut largest = f64::INFINITY;
-        let mut outcome = Err(ContactError::Unsolved {
-            prescribed: Prescribed::Torque(torque),
-            misalignment,
-            center_distance_offset: problem.center_distance_offset,
-            failure: Failure::NotConverged {
-                iterations: MAXIMUM_ITERATIONS,
-                residual: largest,
-            },
-        });
-        for iteration in 1..=MAXIMUM_ITERATIONS {
+        let mut over_range = f64::INFINITY;
+        let mut outcome = None;
+        for _ in 0..MAXIMUM_ITERATIONS {
             let points = self
                 .z
                 .iter()
@@ -351,39 +344,39 @@ impl Shafts {
             let result = match problem.solve_torque(torque, misalignment, warm.as_ref()) {
                 Ok(result) => result,
                 Err(error) => {
-                    outcome = Err(error);
+                    outcome = Some(Err(error));
                     break;
                 }
             };
             let (loads, bearing) = self.loads(&result, at.1, cos_beta_b);
             let state = self.under(&loads);
             let residual = DVector::from_fn(STATIONS, |i, _| state.closing[i] - closing[i]);
-            largest = residual.amax();
+            let largest = residual.amax();
             let range = state
                 .closing
                 .iter()
                 .fold(0.0, |most: f64, c| most.max(c.abs()));
             if largest <= TOLERANCE + RELATIVE_TOLERANCE * range {
-                outcome = Ok((result, state));
+                outcome = Some(Ok((result, state)));
                 break;
             }
-            if let Err(ContactError::Unsolved {
-                failure:
-                    Failure::NotConverged {
-                        iterations,
-                        residual,
-                    },
-                ..
-            }) = &mut outcome
-            {
-                (*iterations, *residual) = (iteration, largest / range);
-            }
+            over_range = largest / range;
             let step = self.step(&bearing, result.tangent.force_by_approach, residual);
             (closing.iter_mut().zip(&step)).for_each(|(c, step)| *c += step);
             warm = Some(result);
         }
         solver.deflect(problem, at, [&present, &Deflection::default()])?;
-        outcome
+        outcome.unwrap_or_else(|| {
+            let failure = Failure::NotConverged {
+                iterations: MAXIMUM_ITERATIONS,
+                residual: over_range,
+            };
+            let torque = Prescribed::Torque(torque);
+            Err(problem
+                .contact
+                .unsolved(torque, misalignment, failure)
+                .into())
+        })
     }
 }
 

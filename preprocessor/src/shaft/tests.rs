@@ -109,7 +109,7 @@ fn a_rigid_shaft_on_bearings_closes_the_flanks_as_its_poses_do() {
         gears: [gear(20), gear(30)],
         center_distance: 0.1,
     };
-    let bearing = |z| gearmesh::pair::Bearing {
+    let bearing = |z| crate::gear::Bearing {
         z,
         radial_stiffness: 1e8,
         axial_stiffness: 0.0,
@@ -118,7 +118,7 @@ fn a_rigid_shaft_on_bearings_closes_the_flanks_as_its_poses_do() {
     };
     let shaft = Shaft {
         start: -0.05,
-        sections: vec![gearmesh::pair::ShaftSection {
+        sections: vec![crate::gear::ShaftSection {
             radii: [0.0, 20e-3],
             length: 0.125,
         }],
@@ -183,11 +183,11 @@ fn shafts_bend_and_twist_as_solids_of_finite_elements_do() {
         let number = |value: &serde_json::Value| value.as_f64().unwrap();
         let list = |name: &str| case[name].as_array().unwrap().clone();
         let sections = list("sections");
-        let section = |s: &serde_json::Value| gearmesh::pair::ShaftSection {
+        let section = |s: &serde_json::Value| crate::gear::ShaftSection {
             radii: [0.0, 0.5e-3 * number(&s[2])],
             length: 1e-3 * (number(&s[1]) - number(&s[0])),
         };
-        let bearing = |b: &serde_json::Value| gearmesh::pair::Bearing {
+        let bearing = |b: &serde_json::Value| crate::gear::Bearing {
             z: 1e-3 * number(&b[0]),
             radial_stiffness: 1e6 * number(&b[1]),
             axial_stiffness: 0.0,
@@ -254,7 +254,7 @@ fn shafts_bend_and_twist_as_solids_of_finite_elements_do() {
 fn the_tilt_of_a_plain_shaft_is_four_fifths_to_all_of_the_standards() {
     // ISO 6336-1:2006, equation for f_sh and Figure 13 a without stiffening: 0.023 um mm/N, K' = 0.8; s/l = 0.1.
     let (l, s, d, b, load) = (0.3, 0.03, 0.05, 0.04, 1e5);
-    let bearing = |z| gearmesh::pair::Bearing {
+    let bearing = |z| crate::gear::Bearing {
         z,
         radial_stiffness: 1e12,
         axial_stiffness: 0.0,
@@ -264,7 +264,7 @@ fn the_tilt_of_a_plain_shaft_is_four_fifths_to_all_of_the_standards() {
     let middle = 0.5 * b;
     let shaft = Shaft {
         start: middle - s - 0.5 * l,
-        sections: vec![gearmesh::pair::ShaftSection {
+        sections: vec![crate::gear::ShaftSection {
             radii: [0.0, 0.5 * d],
             length: l,
         }],
@@ -297,11 +297,11 @@ fn textbook_shaft(nu: f64) -> Vec<(&'static str, [f64; 2], [f64; 2])> {
     const INCH: f64 = 25.4e-3;
     const POUND: f64 = 4.448_221_615;
     let [a, g, j, b] = [0.75, 2.75, 8.5, 10.75].map(|z| z * INCH);
-    let section = |(diameter, length): (f64, f64)| gearmesh::pair::ShaftSection {
+    let section = |(diameter, length): (f64, f64)| crate::gear::ShaftSection {
         radii: [0.0, 0.5 * diameter * INCH],
         length: length * INCH,
     };
-    let bearing = |z| gearmesh::pair::Bearing {
+    let bearing = |z| crate::gear::Bearing {
         z,
         radial_stiffness: 1e12,
         axial_stiffness: 0.0,

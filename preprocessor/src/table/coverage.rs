@@ -1,9 +1,10 @@
 //! What a table covers: its default nodes, random operating points, and errors against static solutions there.
 
 use super::sweep::{StaticSource, solve_error};
-use gearmesh::contact::{ContactError, ContactFile, Prescribed, Warm};
+use crate::gear::Pair;
+use crate::static_contact::ContactError;
+use gearmesh::contact::{ContactFile, Prescribed, Warm};
 use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
-use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankTable, InterpolationError, Query, TableError};
 use rayon::prelude::*;

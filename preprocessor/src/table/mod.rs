@@ -5,6 +5,7 @@ pub mod import;
 mod plan;
 mod recipe;
 mod records;
+mod summary;
 mod sweep;
 mod teeth;
 mod tooth_pair;
@@ -16,6 +17,7 @@ pub use coverage::{
 pub use plan::table_within;
 pub use recipe::{Account, Made, Recipe, RecipeError};
 pub use records::{RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding};
+pub use summary::{size_and_error, summary, teeth_in_words};
 pub use sweep::{
     Progress, Sample, SolveQuality, StaticPosition, StaticSource, WatchedSolver, sweep,
 };

@@ -5,7 +5,8 @@ use super::super::sweep::{Position, Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
 use crate::spring::Spring;
-use gearmesh::contact::{ContactError, Prescribed};
+use crate::static_contact::ContactError;
+use gearmesh::contact::Prescribed;
 use gearmesh::root::bisection;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

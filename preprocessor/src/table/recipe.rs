@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use gearmesh::contact::{
-    ContactError, ContactFile, ContactSettings, ContactSolver, MAXIMUM_ITERATIONS,
-};
+use crate::gear::{Pair, Refinement};
+use crate::static_contact::{ContactError, ContactSolver, contact_settings};
+use gearmesh::contact::{ContactFile, ContactSettings, MAXIMUM_ITERATIONS};
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
     RootStressRecord, TableError, TableFile, TeethRecord,
@@ -491,7 +490,7 @@ impl Sweeps<'_> {
     fn error_at_run_time(&self, contact: &ContactFile) -> Result<InterpolationError, RecipeError> {
         let pair = &self.models.pair;
         let settings = self.models.settings.contact(pair);
-        let usual = ContactSettings::for_pair(pair).stations;
+        let usual = contact_settings(pair).stations;
         let own = settings.stations;
         let finer = ContactSettings {
             // Twice as many, but no more than are solved in seconds.

@@ -5,7 +5,7 @@ use super::coverage::{Coverage, SEED, errors, mesh_positions};
 use super::sweep::{Progress, solve_error, sweep_columns};
 use crate::contact::PositionRoots;
 use crate::finite_element::RootStress;
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::table::{

@@ -1,6 +1,7 @@
 //! Static solutions: where they come from, and the sweep that fills a grid with them.
 
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
+use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use gearmesh::contact::Prescribed;
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
 use gearmesh::table::{Axes, FlankGrid, SlidingSamples, TableError};

@@ -5,9 +5,8 @@ use super::coverage::{
 };
 use super::sweep::{Progress, solve_error, sweep};
 use super::tooth_pair::ToothPair;
-use gearmesh::contact::{
-    ContactError, ContactFile, ContactSolver, PositionProblem, Prescribed, Warm,
-};
+use crate::static_contact::{ContactError, ContactSolver, PositionProblem};
+use gearmesh::contact::{ContactFile, Prescribed, Warm};
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::root::bisection;
@@ -281,7 +280,7 @@ struct Together {
 impl Together {
     fn new(solver: &ContactSolver, flank: Flank, tau: f64) -> Result<Self, ContactError> {
         let whole = solver.position(flank, tau, 0.0)?;
-        let mut pairs: Vec<i32> = whole.candidates.iter().map(|c| c.tooth_pair).collect();
+        let mut pairs: Vec<i32> = whole.candidates().iter().map(|c| c.tooth_pair).collect();
         pairs.dedup();
         let alone = |k| -> Result<_, ContactError> {
             let problem = solver.tooth_pair(flank, tau + f64::from(k), 0.0)?;

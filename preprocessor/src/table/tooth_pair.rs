@@ -6,7 +6,8 @@
 
 use super::coverage::Coverage;
 use super::sweep::{Position, Sample, StaticPosition, StaticSource, solve_error};
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
+use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use gearmesh::contact::Prescribed;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{Axes, TableError};

@@ -1,10 +1,7 @@
-use std::f64::consts::PI;
-
 use approx::assert_abs_diff_eq;
 
 use super::*;
-use crate::gear::samples::{self, half_thickness_angle};
-use crate::gear::{ToothProfile, inverse_involute};
+use crate::gear::samples;
 
 fn gear(kind: GearKind, teeth: u32, hand: f64, helix_angle_deg: f64, x: f64) -> Gear {
     let mut gear = samples::gear(kind, teeth, hand, helix_angle_deg, x);
@@ -86,26 +83,5 @@ fn both_gears_have_their_roll_length_at_every_point_of_the_line_of_action() {
             let tip = p.gears[i].radius_at_roll(p.roll_at(i, c, xi));
             assert_abs_diff_eq!(tip, p.gears[i].tip_radius, epsilon = 1e-14);
         }
-    }
-}
-
-#[test]
-fn teeth_and_backlash_fill_the_pitch_on_the_operating_pitch_circles() {
-    for p in pairs() {
-        let c = p.center_distance;
-        let teeth: f64 = (0..2)
-            .map(|i| {
-                let r = p.operating_pitch_radius(i, c);
-                let profile = ToothProfile::new(&p.gears[i]).unwrap();
-                2.0 * r * half_thickness_angle(&profile, r).unwrap()
-            })
-            .sum();
-        let pitch = 2.0 * PI * p.operating_pitch_radius(0, c) / p.gears[0].z();
-        let backlash = p.backlash(c) / p.operating_pressure_angle(c).cos();
-        assert_abs_diff_eq!(pitch - teeth, backlash, epsilon = 1e-14);
-        let phi = inverse_involute(p.backlash_free_involute());
-        let thinning = p.gears[0].tooth_thinning + p.gears[1].tooth_thinning;
-        let without = p.backlash(p.base_radius_sum() / phi.cos()) - thinning;
-        assert_abs_diff_eq!(without, 0.0, epsilon = 1e-14);
     }
 }

@@ -5,11 +5,11 @@ use super::PAIRS;
 use crate::data::{Data, largest, rms};
 use crate::setup::{Setup, models, shipped_at, solver};
 use crate::{Context, Result};
-use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Refinement;
 use gearmesh::random::Random;
 use gearmesh_preprocessor::finite_element::Settings;
+use gearmesh_preprocessor::gear::Refinement;
+use gearmesh_preprocessor::static_contact::contact_settings;
 
 /// Segments, and the share of a segment's own contact in what changes along it; the first is the reference.
 const CASES: [(usize, f64); 5] = [(160, 0.45), (40, 1.0), (20, 0.45), (22, 0.45), (40, 0.45)];
@@ -30,7 +30,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         let models = models(&pair, &Settings::for_pair(&pair))?;
         let mut solvers = vec![];
         for (stations, own_share) in CASES {
-            let mut contact = ContactSettings::for_pair(&pair);
+            let mut contact = contact_settings(&pair);
             (contact.stations, contact.own_share) = (stations, own_share);
             solvers.push(solver(&pair, &models, contact)?);
         }

@@ -4,10 +4,12 @@ use super::{paper, thick_spur};
 use crate::data::{Data, percent};
 use crate::setup::{models, solver, ste};
 use crate::{Context, Result};
-use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
-use gearmesh::contact::{ContactSettings, ContactSolver};
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh::contact::ContactSettings;
+use gearmesh::contact::Segment;
+use gearmesh_preprocessor::compliance::{BeyondModel, ToothCompliance};
 use gearmesh_preprocessor::finite_element::{Discretization, FiniteElementCompliance, Settings};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
+use gearmesh_preprocessor::static_contact::ContactSolver;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 use crate::data::Data;
 use crate::timing::timed;
 use crate::{Context, Result, in_repository};
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings, sector_unknowns};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 use std::process::{Command, Stdio};
 

@@ -4,7 +4,7 @@ use super::paper;
 use crate::data::{Data, last_that_holds};
 use crate::setup::{Setup, ste};
 use crate::{Context, Result};
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 
 const TORQUE: f64 = 100.0;
 const POSITIONS: usize = 16;

@@ -9,7 +9,7 @@ pub mod reference;
 use crate::data::{Data, percent};
 use crate::setup::{SHIPPED, Setup, shipped, shipped_at, ste};
 use crate::{Context, Result};
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 use serde_json::json;
 

@@ -4,10 +4,11 @@ use super::{Spur, thick_spur};
 use crate::data::{Data, largest, percent};
 use crate::setup::{models, solver, ste};
 use crate::{Context, Result};
-use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::finite_element::{Settings, centre_line_compliance};
+use gearmesh_preprocessor::gear::{Pair, Refinement};
+use gearmesh_preprocessor::static_contact::ContactSolver;
 use serde::Deserialize;
 
 /// Face of the pairs, mm; in plane strain any.

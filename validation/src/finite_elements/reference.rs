@@ -4,10 +4,10 @@ use crate::data::{Data, largest, mean, percent, range};
 use crate::setup::{models, solver};
 use crate::{Context, Result, in_repository};
 use gear1::solve_torque_of_gear1;
-use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 use gearmesh_preprocessor::finite_element::Settings;
 use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::static_contact::contact_settings;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -148,7 +148,7 @@ fn compare(case: &Case) -> Result<Vec<Compared>> {
         plane_strain: case.plane_strain,
         ..Settings::for_pair(&pair)
     };
-    let mut contact = ContactSettings::for_pair(&pair);
+    let mut contact = contact_settings(&pair);
     if case.plane_strain {
         contact.stations = 1;
     }

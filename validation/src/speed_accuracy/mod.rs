@@ -10,8 +10,8 @@ use crate::setup::{Setup, shipped_at};
 use crate::{Context, Result};
 use gearmesh::contact::ContactSettings;
 use gearmesh::element::{LoadedFlank, Parameters, StiffnessModel};
-use gearmesh::pair::Refinement;
 use gearmesh::table::{Axis, FlankGrid};
+use gearmesh_preprocessor::gear::Refinement;
 use std::sync::OnceLock;
 
 /// Pair of most chapters.

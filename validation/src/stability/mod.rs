@@ -14,8 +14,8 @@ use gearmesh::element::{
     Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::gear::PairGeometry;
-use gearmesh::pair::Refinement;
 use gearmesh::table::{Table, TableFile};
+use gearmesh_preprocessor::gear::Refinement;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
 

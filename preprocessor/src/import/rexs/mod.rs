@@ -5,8 +5,9 @@ mod model;
 
 use std::path::Path;
 
-use gearmesh::gear::{involute, protuberance_form_radius};
-use gearmesh::pair::Pair;
+use crate::gear::Pair;
+use crate::gear::protuberance_form_radius;
+use gearmesh::gear::involute;
 use gearmesh::words::rounded;
 use serde_json::{Map, Value, json};
 

@@ -218,7 +218,7 @@ fn generated_shifts_give_root_circle_and_backlash_whether_the_root_diameter_is_g
         .import();
         let g = &pair.geometry;
         for (i, form) in [124.2117, 238.2360].into_iter().enumerate() {
-            let profile = gearmesh::gear::ToothProfile::new(&g.gears[i]).unwrap();
+            let profile = crate::gear::ToothProfile::new(&g.gears[i]).unwrap();
             assert_abs_diff_eq!(2e3 * g.gears[i].root_radius(), roots[i], epsilon = 1e-4);
             assert_abs_diff_eq!(2e3 * profile.usable_radius(), form, epsilon = 1e-3);
         }

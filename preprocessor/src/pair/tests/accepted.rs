@@ -3,8 +3,9 @@
 use approx::assert_abs_diff_eq;
 
 use super::*;
+use crate::gear::ToothProfile;
 use gearmesh::friction::FrictionLaw;
-use gearmesh::gear::{GearKind, ToothProfile};
+use gearmesh::gear::GearKind;
 
 #[test]
 fn the_papers_pair_has_its_relief_on_both_gears_and_flanks() {
@@ -74,7 +75,7 @@ fn stated_defaults_are_those_that_are_filled_in() {
         assert_abs_diff_eq!(found, expected, epsilon = 1e-15);
     }
     assert_eq!(pair.microgeometry, Default::default());
-    assert_eq!(pair.refinement, gearmesh::pair::Refinement::Normal);
+    assert_eq!(pair.refinement, crate::gear::Refinement::Normal);
     assert_eq!(pair.friction, FrictionLaw::default());
     assert!(pair.tip_corner_contact);
     let assumed = "`gear1.bore_diameter_mm` = 27.5 and `gear2.bore_diameter_mm` = 37.5 assumed";
@@ -176,7 +177,7 @@ fn a_pinion_shaft_has_its_pieces_beside_the_face_and_is_solid_unless_it_has_a_bo
     assert_abs_diff_eq!(solid.held_radius, 1.5e-3, epsilon = 1e-12);
     let bored = gear(r#"{"gear1": {"bore_diameter_mm": 12}}"#);
     assert_abs_diff_eq!(bored.held_radius, 6e-3, epsilon = 1e-12);
-    assert!(bored.body_twist() > solid.body_twist());
+    assert!(crate::gear::body::twist(&bored) > crate::gear::body::twist(&solid));
     // Of one piece alone the end is held.
     let one = gear(r#"{"gear1": {"shaft": {"upper": null, "held": null}}}"#);
     assert_eq!(one.body.unwrap().held_ends, [true, false]);

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::{Gear, GearKind};
-use crate::root::bisection;
+use gearmesh::gear::{Gear, GearKind};
+use gearmesh::root::bisection;
 
 /// A point of the profile, in the transverse section.
 ///
@@ -352,4 +352,4 @@ impl ToothProfile {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -2,17 +2,19 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines, along_segment};
-use super::condensed::{CondensedNode, MARGIN as NODE_MARGIN};
-use super::error::{ContactError, Failure, Prescribed, finite};
-use super::influence::Influence;
+use super::deflection::Deflection;
+use super::error::ContactError;
+use super::influence::influence;
 use super::position::{ContactResult, PositionProblem};
-use super::setup::{ContactSettings, ContactSetup, Deflection, estimated_reach, widest_contact};
-use super::transverse::PairNumbers;
-use crate::compliance::{BeyondModel, Segment, ToothCompliance};
-use crate::friction::{FrictionLaw, Sliding, SlidingSums};
-use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
-use crate::pair::Pair;
+use crate::compliance::{BeyondModel, ToothCompliance};
+use crate::gear::{Pair, Refinement, ToothProfile, body};
+use gearmesh::contact::{
+    Candidate, CondensedFlank, CondensedNode, ContactLines, ContactProblem, ContactSettings,
+    ContactSetup, Failure, Influence, PairNumbers, Prescribed, STIFFNESS_OVER_MODULUS, Segment,
+    along_segment, finite,
+};
+use gearmesh::friction::{FrictionLaw, Sliding, SlidingSums};
+use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
 
 /// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
 const TRIED: [f64; 2] = [0.0, 0.5];
@@ -32,6 +34,29 @@ const RUN_TIME_STATIONS: usize = 22;
 /// Share of the change of a gap along a segment that local contact takes up at run time: a smaller share makes force and
 /// moment more exact, a larger one the stiffness.
 const OWN_SHARE_AT_RUN_TIME: f64 = 0.45;
+
+/// Stations along the face at least.
+const FEWEST_STATIONS: usize = 10;
+
+/// Elements of level coarse over those of level normal: segments shorter than the elements follow no load of their own either.
+const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
+
+/// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the pair's loads and
+/// misalignments is wide, but at least 10; tip corners as the pair file says.
+pub fn contact_settings(pair: &Pair) -> ContactSettings {
+    let elements = match pair.refinement {
+        Refinement::Coarse => COARSE_OVER_NORMAL,
+        Refinement::Normal | Refinement::Fine => 1.0,
+    };
+    let least = elements * 2.0 * pair.widest_contact();
+    let (_, face) = pair.geometry.face_overlap();
+    let default = ContactSettings::default();
+    ContactSettings {
+        stations: ((face / least) as usize).clamp(FEWEST_STATIONS, default.stations),
+        tip_corner_contact: pair.tip_corner_contact,
+        ..default
+    }
+}
 
 /// Static contact of one pair of gears.
 ///
@@ -79,7 +104,7 @@ impl ContactSolver {
                 settings,
                 reach,
                 // The local law then holds up to 2.25 times the line load that was estimated.
-                reference_length: widest_contact(pair),
+                reference_length: pair.widest_contact(),
                 corner_resolution,
                 form_rolls,
                 friction: Some(pair.friction),
@@ -151,7 +176,7 @@ impl ContactSolver {
             for position in TRIED {
                 let problem = self.position(flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
-                    let found = problem.solution(torque, misalignment, None)?;
+                    let found = problem.contact.solution(torque, misalignment, None)?;
                     if let Some(Failure::BeyondReach { needed, .. }) = found.excess {
                         largest = largest.max(needed);
                     }
@@ -284,12 +309,15 @@ impl ContactSolver {
         candidates: Vec<Candidate>,
     ) -> Result<PositionProblem, ContactError> {
         if candidates.is_empty() {
-            return Err(self.setup.out_of_mesh(lines.center_distance_offset));
+            return Err(self.setup.out_of_mesh(lines.center_distance_offset).into());
         }
         let seen = lines.all_seen_by_gears(&candidates);
         let influence = self.influence_of(lines, &candidates, &seen)?;
-        let mut problem = PositionProblem::new(lines, candidates, influence);
-        problem.seen = seen;
+        let mut problem = PositionProblem {
+            contact: ContactProblem::new(lines, candidates, influence),
+            seen,
+            along: vec![],
+        };
         problem.sample_along(lines);
         self.apply(
             &mut problem,
@@ -311,7 +339,7 @@ impl ContactSolver {
         [present, next]: [&Deflection; 2],
     ) -> Result<(), ContactError> {
         let tau = mesh_position - mesh_position.floor();
-        let lines = self.lines(flank, tau, problem.center_distance_offset)?;
+        let lines = self.lines(flank, tau, problem.contact.center_distance_offset)?;
         self.apply(problem, &lines, present, next);
         Ok(())
     }
@@ -324,7 +352,7 @@ impl ContactSolver {
         next: &Deflection,
     ) {
         let own_share = self.setup.settings.own_share;
-        for candidate in &mut problem.candidates {
+        for candidate in &mut problem.contact.candidates {
             let closed = candidate.points().map(|z| {
                 let y = lines.contact_line(candidate.tooth_pair, z);
                 let closed = |by: &Deflection| {
@@ -344,7 +372,7 @@ impl ContactSolver {
             false => self.deflection_range(by)[1].max(0.0),
         };
         let more = largest(next) - largest(present);
-        problem.reach = problem.reach.map(|reach| reach - more);
+        problem.contact.reach = problem.contact.reach.map(|reach| reach - more);
     }
 
     /// Sliding of `result`, a solution of `problem`, weighted by `law`.
@@ -356,7 +384,7 @@ impl ContactSolver {
     ) -> Sliding {
         let sums = SlidingSums::new(self.geometry(), law);
         let forces = result.segments.iter().map(|segment| segment.force);
-        problem.sliding(&sums, forces, result.loa_force)
+        problem.contact.sliding(&sums, forces, result.loa_force)
     }
 
     /// The stations along the face as gear 1 and gear 2 see them where tooth pair 0 touches at the pitch point at mid-face.
@@ -370,7 +398,7 @@ impl ContactSolver {
         Ok(stations.map(seen).collect())
     }
 
-    /// Influence of whole segments of `flank` at a place of [`super::CondensedFlank::grid`]. Nodes do not depend on each other.
+    /// Influence of whole segments of `flank` at a place of [`CondensedFlank::grid`]. Nodes do not depend on each other.
     ///
     /// # Errors
     /// As [`ContactSolver::position`].
@@ -380,7 +408,7 @@ impl ContactSolver {
         [tau, center_distance_offset]: [f64; 2],
     ) -> Result<CondensedNode, ContactError> {
         let lines = self.lines(flank, tau, center_distance_offset)?.clamped();
-        let segments = lines.segments_beyond(NODE_MARGIN * self.numbers.base_pitch);
+        let segments = lines.segments_beyond(CondensedFlank::MARGIN * self.numbers.base_pitch);
         let seen = lines.all_seen_by_gears(&segments);
         let influence = self.influence_of(&lines, &segments, &seen)?;
         Ok(CondensedNode {
@@ -442,9 +470,32 @@ impl ContactSolver {
         seen: &[[Segment; 2]],
     ) -> Result<Influence, ContactError> {
         let models = [0, 1].map(|i| self.model(lines, i));
-        let influence = Influence::new(lines, models, segments, seen);
-        influence.map_err(|model| beyond(lines, model))
+        influence(lines, models, segments, seen).map_err(|model| beyond(lines, model))
     }
+}
+
+/// Approach that the pair's largest load and misalignment can cause, m: twice that of a stiff tooth pair, of the bodies, of the
+/// misalignment at the ends, and what modifications take off at most.
+fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
+    let g = &pair.geometry;
+    let force = pair.operating.maximum_torque / g.gears[0].base_radius();
+    let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
+    let width = g.face_overlap().1;
+    let [low, high] = pair.operating.misalignment.map(f64::abs);
+    let (mut removal, mut bodies) = (0.0, 0.0);
+    for (i, gear) in g.gears.iter().enumerate() {
+        let rolls = [form_rolls[i], gear.tip_form_roll()];
+        let flanks = [&pair.microgeometry.drive[i], &pair.microgeometry.coast[i]];
+        let largest = flanks.map(|flank| flank.largest_removal(gear, rolls));
+        removal += largest[0].max(largest[1]);
+        bodies += force * body::compliance(gear);
+    }
+    let cos_beta_b = g.base_helix_angle().cos();
+    // Force and displacement along the normal are those on the line of action over cos beta_b, as the contact line is the face.
+    2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
+        + bodies
+        + 0.5 * low.max(high) * (width + g.base_helix_angle().tan() * g.base_pitch())
+        + removal / cos_beta_b
 }
 
 /// The flanks that differ.

@@ -2,9 +2,9 @@
 //! tangent, pitches along the arc of a circle at mid-depth, here the reference circle. Here they stand as pair files have them: slopes normal to the flank,
 //! index errors along the transverse line of action.
 
-use super::Gear;
-use crate::random::Random;
-use crate::root::bisection;
+use gearmesh::gear::Gear;
+use gearmesh::random::Random;
+use gearmesh::root::bisection;
 
 /// Finest and coarsest flank tolerance class.
 pub const CLASSES: std::ops::RangeInclusive<u8> = 1..=11;
@@ -101,7 +101,8 @@ fn largest_pitch(index: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear::{GearKind, samples};
+    use crate::samples;
+    use gearmesh::gear::GearKind;
 
     #[test]
     fn class_five_is_the_formula_and_two_classes_double_it() {

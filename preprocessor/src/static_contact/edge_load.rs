@@ -7,11 +7,9 @@
 //! Segments know one displacement of the teeth each. The penetration of a sample near an edge is what a straight line between the
 //! middles of neighbouring segments closes there, less the gap; it shares out what the segment bears.
 
-use super::candidates::{Candidate, ContactLines};
-use super::complementarity::Solution;
-use super::local_law::{LocalContact, POINTS, PointLoads};
 use super::position::{EdgeLoad, LawAt, LawsAlong, PositionProblem};
-use crate::root::bracket;
+use gearmesh::contact::{Candidate, ContactLines, LocalContact, POINTS, PointLoads, Solution};
+use gearmesh::root::bracket;
 
 const AT_POINTS: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
 
@@ -58,32 +56,37 @@ impl PositionProblem {
     /// Makes the laws along the segments, which lie on `lines`.
     pub(super) fn sample_along(&mut self, lines: &ContactLines<'_>) {
         // The contact lines of spur pairs run along edges and the starts of reliefs.
-        if self.numbers.tan_beta_b == 0.0 {
+        if self.contact.numbers.tan_beta_b == 0.0 {
             return;
         }
-        let along =
-            (self.candidates.iter().zip(&self.local).enumerate()).map(|(i, (segment, law))| {
-                let laws = |positions: &[f64]| {
-                    let at = |&position: &f64| {
-                        let profile = lines.profile_along(segment, position);
-                        let law = self.law(segment, &profile, self.lengths(i));
-                        LawAt { position, law }
-                    };
-                    positions.iter().map(at).collect()
+        let along = (self
+            .contact
+            .candidates
+            .iter()
+            .zip(&self.contact.local)
+            .enumerate())
+        .map(|(i, (segment, law))| {
+            let laws = |positions: &[f64]| {
+                let at = |&position: &f64| {
+                    let profile = lines.profile_along(segment, position);
+                    let law = self.contact.law(segment, &profile, self.contact.lengths(i));
+                    LawAt { position, law }
                 };
-                let mut along = LawsAlong::default();
-                let moves = match self.moves() {
-                    true => MOVES_OVER_REACH * lines.setup.reach,
-                    false => 0.0,
-                };
-                if law.has_edge(moves) {
-                    along.edge = laws(&positions_near_edge(lines, segment));
-                }
-                if law.has_relief(moves) {
-                    along.relief = laws(&AT_RELIEF);
-                }
-                along
-            });
+                positions.iter().map(at).collect()
+            };
+            let mut along = LawsAlong::default();
+            let moves = match self.contact.moves() {
+                true => MOVES_OVER_REACH * lines.setup.reach,
+                false => 0.0,
+            };
+            if law.has_edge(moves) {
+                along.edge = laws(&positions_near_edge(lines, segment));
+            }
+            if law.has_relief(moves) {
+                along.relief = laws(&AT_RELIEF);
+            }
+            along
+        });
         self.along = along.collect();
     }
 
@@ -94,7 +97,7 @@ impl PositionProblem {
         solution: &Solution,
         gap: &[[f64; POINTS]],
     ) -> Vec<Option<EdgeLoad>> {
-        let mut all = vec![None; self.candidates.len()];
+        let mut all = vec![None; self.contact.candidates.len()];
         let samples = (0..all.len()).flat_map(|i| self.samples(i, solution, &gap[i]));
         let samples: Vec<Sample<'_>> = samples.collect();
         for (number, sample) in samples.iter().enumerate() {
@@ -102,7 +105,7 @@ impl PositionProblem {
             if solution.force[i] <= 0.0 || !sample.reaches_edge() {
                 continue;
             }
-            let segment = &self.candidates[i];
+            let segment = &self.contact.candidates[i];
             let mut add = |(z, line_load): (f64, f64)| {
                 let gear = segment.profile.edge_gear();
                 let here = EdgeLoad { line_load, z, gear };
@@ -110,7 +113,7 @@ impl PositionProblem {
             };
             add((sample.z, sample.line_load));
             for other in neighbours(&samples, number) {
-                let follows = are_neighbours(segment, &self.candidates[other.segment]);
+                let follows = are_neighbours(segment, &self.contact.candidates[other.segment]);
                 if follows && !other.reaches_edge() {
                     add(sample.last_towards(other));
                 }
@@ -126,13 +129,13 @@ impl PositionProblem {
         solution: &Solution,
         gap: &[f64; POINTS],
     ) -> Vec<Sample<'a>> {
-        let segment = &self.candidates[i];
+        let segment = &self.contact.candidates[i];
         let [below, above] = self.closing_slopes(i, solution);
         let laws: Vec<(f64, &LocalContact)> = match self.along.get(i) {
             Some(along) => (along.edge.iter())
                 .map(|at| (at.position, &at.law))
                 .collect(),
-            None => AT_POINTS.map(|at| (at, &self.local[i])).to_vec(),
+            None => AT_POINTS.map(|at| (at, &self.contact.local[i])).to_vec(),
         };
         let sample = |&(position, law): &(f64, &'a LocalContact)| {
             let along = position * (segment.z[1] - segment.z[0]);
@@ -150,7 +153,7 @@ impl PositionProblem {
         let points = (0..laws.len()).filter(is_point);
         let sum: f64 = points.map(|number| samples[number].line_load).sum();
         // The points share what the segment bears, or less: one in whose corner contact ends bears more than the line does there.
-        let known = solution.force[i] / self.local[i].length();
+        let known = solution.force[i] / self.contact.local[i].length();
         if sum > known {
             samples.iter_mut().for_each(|s| s.line_load *= known / sum);
         }
@@ -166,8 +169,8 @@ impl PositionProblem {
     /// where one is missing, that on the other side.
     fn closing_slopes(&self, i: usize, solution: &Solution) -> [f64; 2] {
         let slope = |other: usize| {
-            let [here, there] = [i, other].map(|i| self.candidates[i].middle());
-            let (law, next) = (&self.local[i], &self.local[other]);
+            let [here, there] = [i, other].map(|i| self.contact.candidates[i].middle());
+            let (law, next) = (&self.contact.local[i], &self.contact.local[other]);
             let line_load = solution.force[other] / (POINTS as f64 * next.length());
             let closing = solution.closing[other] + law.takes_up_more_than(next, line_load);
             (closing - solution.closing[i]) / (there - here)
@@ -179,7 +182,7 @@ impl PositionProblem {
     /// Largest pressure (Pa) inside the flanks of each segment under `loads`; `edges` are the loads at their tip edges.
     pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
         // Mean line load (N/m) of the loaded points inside the flanks by the law of the middle: what the line bears.
-        let inside = loads.iter().zip(&self.local).map(|(loads, law)| {
+        let inside = loads.iter().zip(&self.contact.local).map(|(loads, law)| {
             let is_inside = |f: &&f64| **f != 0.0 && **f / law.length() <= law.load_at_edge();
             let inside = || loads.forces.iter().filter(is_inside);
             let points = inside().count();
@@ -187,7 +190,7 @@ impl PositionProblem {
         });
         let inside: Vec<_> = inside.collect();
         let largest = |i: usize| {
-            let law = &self.local[i];
+            let law = &self.contact.local[i];
             let Some(line_load) = inside[i] else {
                 // At its middle the line lies nearer to the edge than where it bears.
                 return match edges[i] {
@@ -208,11 +211,11 @@ impl PositionProblem {
     /// Line load (N/m) at `position` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks.
     fn line_load(&self, inside: &[Option<f64>], i: usize, position: f64) -> f64 {
         let here = inside[i].unwrap_or(0.0);
-        let segment = &self.candidates[i];
+        let segment = &self.contact.candidates[i];
         let [below, above] = self.neighbours(i);
         let neighbour = if position < 0.0 { below } else { above };
         let slope = neighbour.and_then(|other| {
-            let distance = self.candidates[other].middle() - segment.middle();
+            let distance = self.contact.candidates[other].middle() - segment.middle();
             Some((inside[other]? - here) / distance)
         });
         here + slope.unwrap_or(0.0) * position * (segment.z[1] - segment.z[0])
@@ -220,8 +223,8 @@ impl PositionProblem {
 
     fn neighbours(&self, i: usize) -> [Option<usize>; 2] {
         let follows = |other: &usize| {
-            let other = self.candidates.get(*other);
-            other.is_some_and(|other| are_neighbours(&self.candidates[i], other))
+            let other = self.contact.candidates.get(*other);
+            other.is_some_and(|other| are_neighbours(&self.contact.candidates[i], other))
         };
         [i.checked_sub(1), Some(i + 1)].map(|other| other.filter(follows))
     }

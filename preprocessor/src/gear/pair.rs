@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::friction::FrictionLaw;
-use crate::gear::{BothFlanks, Microgeometry, PairGeometry, PairMicrogeometry, PairTeeth};
+use super::body;
+use gearmesh::contact::STIFFNESS_OVER_MODULUS;
+use gearmesh::friction::FrictionLaw;
+use gearmesh::gear::{BothFlanks, Gear, Microgeometry, PairGeometry, PairMicrogeometry, PairTeeth};
 
 /// Fineness of the finite-element model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
@@ -131,8 +133,31 @@ impl Pair {
         let shares_middle = (middle(0) - middle(1)).abs() < 1e-9;
         let BothFlanks { drive, coast } = &self.microgeometry;
         shares_middle
-            && (self.geometry.gears.iter()).all(|gear| gear.turned().is_none())
+            && (self.geometry.gears.iter()).all(|gear| body::turned(gear).is_none())
             && drive == coast
             && drive.iter().all(Microgeometry::is_symmetric)
+    }
+
+    /// Estimate of the largest Hertz half-width of the pair, m: the maximum torque on one tooth pair, spread
+    /// over the face evenly or, with misalignment, as a triangle on an elastic foundation.
+    pub fn widest_contact(&self) -> f64 {
+        let g = &self.geometry;
+        let c = g.center_distance;
+        let path = g.path_of_contact(c);
+        let radii = (0..=20).map(|i| {
+            let xi = path.start + path.length() * f64::from(i) / 20.0;
+            let rho = [0, 1].map(|k| g.gears[k].kappa() * g.roll_at(k, c, xi));
+            1.0 / (1.0 / rho[0] + 1.0 / rho[1])
+        });
+        let radius = radii.fold(0.0, f64::max) / g.base_helix_angle().cos();
+        let force = self.operating.maximum_torque / g.gears[0].base_radius();
+        let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
+        let [low, high] = self.operating.misalignment.map(f64::abs);
+        let misalignment = low.max(high);
+        let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
+        let line_load = (force / g.face_overlap().1).max(triangle);
+        let softness = |g: &Gear| (1.0 - g.poisson_ratio * g.poisson_ratio) / g.youngs_modulus;
+        let softness: f64 = g.gears.iter().map(softness).sum();
+        (4.0 * line_load * radius * softness / std::f64::consts::PI).sqrt()
     }
 }

@@ -3,7 +3,8 @@ use std::f64::consts::PI;
 use approx::assert_abs_diff_eq;
 
 use super::*;
-use crate::gear::samples;
+use crate::samples;
+use gearmesh::gear::{PairGeometry, inverse_involute};
 
 fn external(teeth: u32, shift: f64, helix_angle_deg: f64) -> Gear {
     let mut gear = samples::gear(GearKind::External, teeth, 1.0, helix_angle_deg, shift);
@@ -89,7 +90,7 @@ fn least_distance(gear: &Gear, radius: f64, angle: f64) -> f64 {
         .unwrap();
     // The distance is convex about the best station.
     let (low, slope) = (best - step, |u: f64| at(u + 1e-9) - at(u - 1e-9));
-    at(crate::root::bisection([low, best + step], 50, |u| {
+    at(gearmesh::root::bisection([low, best + step], 50, |u| {
         slope(u) < 0.0
     }))
 }
@@ -203,5 +204,59 @@ fn teeth_that_cannot_be_are_refused() {
         (short_ring, TipInsideBase),
     ] {
         assert_eq!(ToothProfile::new(&gear), Err(error));
+    }
+}
+
+/// Half angle of the tooth's material at `radius`, rad, on the outline between root circle and tip (there: the angle to the
+/// fillet or to the involute). None outside.
+pub(crate) fn half_thickness_angle(profile: &ToothProfile, radius: f64) -> Option<f64> {
+    let (gear, rounding) = (profile.gear(), 1e-12 * profile.gear().root_radius());
+    // Distance outside, in the sense from root to tip.
+    let above = |limit: f64| gear.kappa() * (radius - limit);
+    if radius.is_nan() || above(gear.root_radius()) < -rounding || above(gear.tip_radius) > rounding
+    {
+        return None;
+    }
+    if above(profile.form_radius()) >= 0.0 {
+        return Some(profile.point_on_flank(gear.roll_length(radius)).angle());
+    }
+    let fillet = |t: f64| profile.fillet(t);
+    let t = bisection([0.0, 1.0], 60, |t| above(fillet(t).radius()) > 0.0);
+    Some(fillet(t).angle())
+}
+
+#[test]
+fn teeth_and_backlash_fill_the_pitch_on_the_operating_pitch_circles() {
+    let pinion = |beta| external(20, 0.1, beta);
+    let pairs = [0.0, 18.0].into_iter().flat_map(|beta| {
+        [
+            [pinion(beta), external(33, 0.25, beta)],
+            [pinion(beta), ring(60, 0.25, beta)],
+            [ring(60, 0.25, beta), pinion(beta)],
+        ]
+    });
+    for mut gears in pairs {
+        gears[0].tooth_thinning = 30e-6;
+        gears[1].tooth_thinning = 50e-6;
+        let [first, second] = gears.each_ref().map(|g| g.kappa() * g.reference_radius());
+        let p = PairGeometry {
+            gears,
+            center_distance: (first + second).abs() + 1.1e-3,
+        };
+        let c = p.center_distance;
+        let teeth: f64 = (0..2)
+            .map(|i| {
+                let r = p.operating_pitch_radius(i, c);
+                let profile = ToothProfile::new(&p.gears[i]).unwrap();
+                2.0 * r * half_thickness_angle(&profile, r).unwrap()
+            })
+            .sum();
+        let pitch = 2.0 * PI * p.operating_pitch_radius(0, c) / p.gears[0].z();
+        let backlash = p.backlash(c) / p.operating_pressure_angle(c).cos();
+        assert_abs_diff_eq!(pitch - teeth, backlash, epsilon = 1e-14);
+        let phi = inverse_involute(p.backlash_free_involute());
+        let thinning = p.gears[0].tooth_thinning + p.gears[1].tooth_thinning;
+        let without = p.backlash(p.base_radius_sum() / phi.cos()) - thinning;
+        assert_abs_diff_eq!(without, 0.0, epsilon = 1e-14);
     }
 }

@@ -1,4 +1,4 @@
-//! Whole contact against an independent finite-element program without any Hertz formula, `scripts/contact_reference.py`
+//! Whole contact against an independent finite-element program without any Hertz formula, `validation/reference/contact.py`
 //! (`tests/data/contact_reference.json` says how it works), tip edges that bear load included, and a second one.
 
 use super::gear1::solve_torque_of_gear1;
@@ -9,7 +9,7 @@ fn peak_to_peak(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
 }
 
-/// Pair and data of a case of `scripts/contact_reference.py`, or of those of the second program.
+/// Pair and data of a case of `validation/reference/contact.py`, or of those of the second program.
 pub fn reference(name: &str) -> (Pair, Value) {
     let text = match name {
         "solid-20-20" | "solid-16-24" => include_str!("../data/solid_spur.json"),

@@ -97,7 +97,7 @@ fn the_field_holds_the_largest_stress_and_no_load_leaves_none() {
     }
 }
 
-/// From `scripts/root_stress_reference.py`, which says how.
+/// From `validation/reference/root_stress.py`, which says how.
 const DATA: &str = include_str!("../data/root_stress.json");
 
 /// Pieces of the contact line.

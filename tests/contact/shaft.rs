@@ -1,4 +1,4 @@
-//! Teeth and shaft together against finite elements of both, on the shaft of a textbook (`scripts/shaft_contact_reference.py`).
+//! Teeth and shaft together against finite elements of both, on the shaft of a textbook (`validation/reference/shaft_contact.py`).
 
 use super::*;
 

@@ -11,7 +11,7 @@ use gearmesh::gear::{Body, GearKind};
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// The gear of a `case` that scripts/thin_rim.py writes.
+/// The gear of a `case` that validation/reference/thin_rim.py writes.
 fn gear_of(case: &Value) -> Gear {
     let number = |key: &str| case[key].as_f64().unwrap();
     let ends = |key: &str| [0, 1].map(|i| 1e-3 * case[key][i].as_f64().unwrap());

@@ -173,7 +173,7 @@ fn the_mean_of_states_is_that_of_each_number() {
     assert_relative_eq!(mean.misalignment, right.misalignment, max_relative = 1e-9);
 }
 
-/// Shafts with their gears by finite elements (scripts/reference/shaft.py).
+/// Shafts with their gears by finite elements (validation/reference/shafts.py).
 const FINITE_ELEMENTS: &str = include_str!("../../../tests/data/shafts.json");
 
 #[test]

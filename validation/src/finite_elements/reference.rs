@@ -1,4 +1,4 @@
-//! Whole contact against scripts/contact_reference.py: relief, crowning, misalignment, centre distance, helix, wide faces.
+//! Whole contact against validation/reference/contact.py: relief, crowning, misalignment, centre distance, helix, wide faces.
 
 use crate::data::{Data, largest, mean, percent, range};
 use crate::setup::{models, solver};

@@ -4,7 +4,7 @@ from math import acos, cos, hypot, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
-from reference.teeth import Gear
+from teeth import Gear
 
 
 def read_gear(pair, name):

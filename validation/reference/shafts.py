@@ -1,6 +1,6 @@
 """Shafts with their gears as solids of revolution, by finite elements that share nothing with the beams of preprocessor/src/shaft.
 
-    .venv/bin/python scripts/reference/shaft.py > tests/data/shafts.json
+    python validation/reference/shafts.py > tests/data/shafts.json
 
 Displacements are harmonics about the axis (Zienkiewicz, Taylor, The Finite Element Method, axisymmetric solids under any load):
 harmonic 0 for torsion, harmonic 1 for bending in one plane, on quadratic quadrilaterals of scikit-fem in the r-z plane. The

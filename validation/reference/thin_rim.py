@@ -1,7 +1,6 @@
 """Compliance of gears with thin rims from a finite-element model of the whole gear, apart from the product's code.
 
-    python3 -m venv VENV && VENV/bin/pip install numpy scipy pypardiso
-    VENV/bin/python scripts/thin_rim.py > tests/data/thin_rim.json
+    python validation/reference/thin_rim.py > tests/data/thin_rim.json
 
 Every tooth of the gear is meshed, with rim, web and hub, in 20-node hexahedra; nothing is condensed and no symmetry
 is used. The outline is the envelope of the rolling rack. A strip is a line load of 1 N along a contact line, spread
@@ -15,9 +14,9 @@ import sys
 import numpy as np
 from pypardiso import PyPardisoSolver
 
-from reference.flank_mesh import Profile
-from reference.hexahedra import LOCAL, halves, shape, stiffness
-from reference.teeth import NU, Gear
+from flank_mesh import Profile
+from hexahedra import LOCAL, halves, shape, stiffness
+from teeth import NU, Gear
 
 E = 206e9
 

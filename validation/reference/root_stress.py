@@ -1,7 +1,6 @@
 """Tooth root stress by finite elements that share nothing with the program: writes tests/data/root_stress.json.
 
-    pip install numpy scipy gmsh pypardiso
-    python scripts/root_stress_reference.py > tests/data/root_stress.json
+    python validation/reference/root_stress.py > tests/data/root_stress.json
 
 Outline by own formulas, mesh by gmsh (unstructured 9-node quadrilaterals, swept along the helix to 27-node hexahedra), some real
 teeth on a disc or ring that is otherwise plain, bore or rim held. A line load acts on the flank of tooth 0. Stress is that of the
@@ -18,7 +17,7 @@ import pypardiso
 import scipy.sparse as sp
 from scipy.optimize import brentq
 
-from reference.teeth import E, NU, Gear
+from teeth import E, NU, Gear
 
 
 def mesh(gear, teeth, fine, coarse):

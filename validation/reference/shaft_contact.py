@@ -1,12 +1,11 @@
 """Teeth and shaft together by finite elements, apart from the program: writes tests/data/shaft_contact.json.
 
-    pip install numpy scipy pypardiso scikit-fem
-    python scripts/shaft_contact_reference.py      # a quarter of an hour on two cores
+    python validation/reference/shaft_contact.py      # a quarter of an hour on two cores
 
 The shaft is the intermediate shaft of Budynas, Nisbett, Shigley's Mechanical Engineering Design, 9th ed., Example 7-2, Figure 7-10,
 with its gear 4 alone (d_4 = 2.67 in, two inches wide, 2431 lbf): 16 teeth of six to the inch, which is not in the example, against 72 on a
-rigid shaft. Teeth and what is left of the pinion around the shaft are the hexahedra of contact_reference.py, the shaft is the solid of
-revolution of reference/shaft.py under the force and the torque of each strip of the face. What a strip bears moves and turns the
+rigid shaft. Teeth and what is left of the pinion around the shaft are the hexahedra of contact.py, the shaft is the solid of
+revolution of shafts.py under the force and the torque of each strip of the face. What a strip bears moves and turns the
 shaft at all strips; the linear complementarity problem has both compliances. The tip of gear 2 is 0.37 mm shorter than an addendum of one
 module, so that the undercut of 16 teeth stays below the active profile.
 """
@@ -17,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_reference import SOLID, Contact, complementarity
-from reference.pair import Pair
-from reference.shaft import DIAMETERS, SHOULDERS, flexibility
+from contact import SOLID, Contact, complementarity
+from pair import Pair
+from shafts import DIAMETERS, SHOULDERS, flexibility
 
-OUTPUT = Path(__file__).parent.parent / "tests/data/shaft_contact.json"
+OUTPUT = Path(__file__).parents[2] / "tests/data/shaft_contact.json"
 INCH = 25.4
 LOW, BEARINGS = 7.5, (0.75, 10.75)  # in: z = 0 face of gear 4; bearings
 TORQUE = 366.2  # N m: 2431 lbf on the radius 1.333 in

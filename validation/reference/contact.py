@@ -1,8 +1,7 @@
 """Loaded tooth contact of gear pairs by finite elements, apart from the program: writes tests/data/contact_reference.json, and
-plastic_reference.json with the method of reference/deformed.py.
+plastic_reference.json with the method of deformed.py.
 
-    pip install numpy scipy pypardiso
-    python scripts/contact_reference.py [CASE ...]      # into the file, case by case; all of them take hours
+    python validation/reference/contact.py [CASE ...]      # into the file, case by case; all of them take hours
 
 Both gears in 20-node hexahedra (8-node quadrilaterals in plane strain), the loaded teeth and their neighbours real, bore or rim
 held, rebuilt for each mesh position with a band of fine cells along every contact line: 0.012 mm in plane strain (0.003 to 0.004 mm, and 0.001 mm
@@ -32,12 +31,12 @@ from pathlib import Path
 
 import numpy as np
 
-from reference import deformed as finite
-from reference.deformed import Deformed
-from reference.flank_mesh import FlankMesh, Mesh
-from reference.pair import Pair
+import deformed as finite
+from deformed import Deformed
+from flank_mesh import FlankMesh, Mesh
+from pair import Pair
 
-DATA = Path(__file__).parent.parent / "tests/data"
+DATA = Path(__file__).parents[2] / "tests/data"
 GAUSS = 4  # points along the flank of a face, 3 along the width
 CELLS = 6  # across a contact, so that its spread tells its pressure
 

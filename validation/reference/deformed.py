@@ -15,9 +15,9 @@ from pypardiso import PyPardisoSolver
 from scipy.interpolate import CubicSpline
 from scipy.sparse import coo_matrix, csr_matrix
 
-from reference.flank_mesh import FlankMesh
-from reference.hexahedra import LOCAL
-from reference.pair import Pair
+from flank_mesh import FlankMesh
+from hexahedra import LOCAL
+from pair import Pair
 
 GAUSS = 4  # points along a face
 WINDOW = 0.15  # gaps up to it may close in a step, mm

@@ -12,8 +12,8 @@ from pypardiso import PyPardisoSolver
 from scipy.optimize import brentq
 from scipy.sparse import csr_matrix
 
-from reference.hexahedra import LOCAL, halves, shape, stiffness
-from reference.teeth import E, NU
+from hexahedra import LOCAL, halves, shape, stiffness
+from teeth import E, NU
 
 
 @dataclass

@@ -9,21 +9,21 @@
 //! # How the data flow
 //!
 //! ```text
-//!  pair file ──> pair ──> gear ──> compliance ──> contact ──> table ──> tables.json (FMU resources)
-//!  (drawing)            geometry   of teeth       static      sweep          │
-//!                       + micro-   and blanks     solve                      v
-//!                       geometry                                  table::interpolation
-//!                                                                            │
-//!                     poses, velocities ──────────────> element <────────────┘
-//!                     (FMI inputs)                         │
-//!                                                          v
-//!                                             force, moment, contact point
+//!  pair file ──> pair ──> compliance ──> contact ──> sweep ──> tables.json (FMU resources)
+//!  (drawing)              of teeth       static                     │
+//!                         and bodies     solve                      v
+//!                                                             table, contact
+//!                                                                   │
+//!                     poses, velocities ─────────> element <────────┘
+//!                     (FMI inputs)                    │
+//!                                                     v
+//!                                        force, moment, contact point
 //! ```
 //!
-//! This crate is the FMU's library: `gear`, `friction`, `contact`, evaluation of tables, `element` and `fmi`. The law of a flank
-//! (`element::law`) is a table, a constant stiffness, tooth pairs one by one, or a contact solve at every evaluation. Pair files,
-//! finite elements, the sweep of tables and packing are `gearmesh-preprocessor`, which depends on this crate;
-//! `gearmesh-command` is the program over both.
+//! This crate is the FMU's library: what runs in an FMU, `gear`, `friction`, `contact`, evaluation of tables, `element` and `fmi`. The law of
+//! a flank (`element::law`) is a table, a constant stiffness, tooth pairs one by one, or a contact solve at every evaluation. What prepares it
+//! is `gearmesh-preprocessor`, which depends on this crate: pair files, generated teeth, finite elements, static contact with its pressures, the
+//! sweep of tables and packing; `gearmesh-command` is the program over both.
 //!
 //! # Symbols
 //!

@@ -2,9 +2,11 @@
 //!
 //! | module | in | out |
 //! |---|---|---|
-//! | [`pair`], [`import`] | pair file, file of another program | checked pair in SI, `crate::gear::Pair` |
-//! | [`shaft`] | shafts on bearings | how far they take the flanks apart |
+//! | [`pair`], [`import`] | pair file, file of another program | checked pair in SI, [`gear::Pair`] |
+//! | [`gear`] | checked pair | generated teeth, bodies, flank tolerances |
 //! | [`finite_element`] | gear | displacement of its flanks under load, stress in its tooth roots |
+//! | [`static_contact`] | pair, elastic models ([`compliance`]) | contact at one position of the mesh |
+//! | [`shaft`] | shafts on bearings | how far they take the flanks apart |
 //! | [`contact`] | pair | elastic models, static contact over mesh cycles, contact for run time |
 //! | [`table`] | elastic models, a recipe | tables of static contact with their error |
 //! | [`package`] | tables | FMU |

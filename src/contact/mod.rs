@@ -5,8 +5,8 @@
 //! (path, tip corners)    contact lines in reach        local contact law                     (load or approach)
 //! ```
 //!
-//! [`RuntimeContact`] is the same solve in the FMU: influence matrices condensed over the mesh cycle
-//! ([`CondensedFlank`]), all else from the pose.
+//! [`RuntimeContact`] is the solve in the FMU: influence matrices condensed over the mesh cycle ([`CondensedFlank`]), all else from the
+//! pose. The preprocessor solves the same [`ContactProblem`] on influence matrices of elastic models, and says more of its solutions.
 //!
 //! Everything is measured on the line of action at mid-face (docs/theory/contact.md): the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z. The gap of a segment is that

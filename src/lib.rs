@@ -64,7 +64,7 @@ pub mod random;
 pub mod root;
 pub mod sealed;
 pub mod table;
-mod vector;
+pub mod vector;
 pub mod words;
 // Test code that is shared with tests/ names the library.
 #[cfg(test)]

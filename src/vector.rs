@@ -7,7 +7,7 @@ use wide::f64x2;
 
 /// The vector registers that the code around is compiled for.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lanes {
+pub struct Lanes {
     avx: bool,
 }
 

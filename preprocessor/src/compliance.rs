@@ -1,6 +1,8 @@
 //! How far a loaded flank gives way: bulk compliance (bending, shear, base, blank, neighbours) apart
 //! from the local contact, whose width depends on the load.
 
+use std::ops::Range;
+
 use gearmesh::contact::Segment;
 use nalgebra::DMatrix;
 
@@ -19,6 +21,9 @@ pub struct BeyondModel {
     pub reach: usize,
 }
 
+/// Forces on segments of one tooth that act together: numbers of the segments, and the forces on them, N.
+pub type Load = Vec<(usize, f64)>;
+
 /// Elastic model of one gear.
 ///
 /// The approach of the two flanks of segment i, along the flank normal, is
@@ -35,6 +40,20 @@ pub trait ToothCompliance: Send + Sync {
     /// # Errors
     /// [`BeyondModel`] for segments on teeth so far apart that the model knows nothing of them.
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel>;
+
+    /// What each of `loads[0]`, the rows, works on the displacements by each of `loads[1]`, the columns, m N: with the matrix of
+    /// [`ToothCompliance::bulk`] of `segments` a' bulk b. Only the `wanted` columns of each row are asked for.
+    ///
+    /// # Errors
+    /// Those of [`ToothCompliance::bulk`].
+    fn work(
+        &self,
+        segments: &[Segment],
+        loads: [&[Load]; 2],
+        wanted: &dyn Fn(usize) -> Range<usize>,
+    ) -> Result<DMatrix<f64>, BeyondModel> {
+        Ok(work(&self.bulk(segments)?, loads, wanted))
+    }
 
     /// The length L_i of every segment, m, that completes `bulk` with the local contact.
     fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64>;
@@ -55,4 +74,23 @@ pub trait ToothCompliance: Send + Sync {
     fn lengthwise_resolution(&self) -> f64 {
         0.0
     }
+}
+
+/// [`ToothCompliance::work`] of segments with the matrix `bulk` (m/N).
+pub fn work(
+    bulk: &DMatrix<f64>,
+    [rows, columns]: [&[Load]; 2],
+    wanted: &dyn Fn(usize) -> Range<usize>,
+) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(rows.len(), columns.len());
+    for (r, row) in rows.iter().enumerate() {
+        for c in wanted(r) {
+            let of_row = row.iter().flat_map(|(i, a)| {
+                let of_column = columns[c].iter();
+                of_column.map(move |(j, b)| a * b * bulk[(*i, *j)])
+            });
+            all[(r, c)] = of_row.sum();
+        }
+    }
+    all
 }

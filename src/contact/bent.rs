@@ -74,14 +74,23 @@ impl Placed {
         share: f64,
     ) -> Placed {
         let pressing = forces.map(|force| force.max(0.0));
-        let moments = self.places.component_mul(&pressing);
-        let tilts =
-            -(&movable.motion.tilt * &pressing + movable.motion.bend.component_mul(&moments));
-        let towards = |i: usize| movable.segments[i].profile.least_under(tilts[i]) - self.places[i];
-        let moves = DVector::from_fn(tilts.len(), |i, _| towards(i));
+        let tilted = -(&movable.motion.tilt * &pressing);
+        // Moments of the segment itself turn it back: as if its gap were so much more curved.
+        let turned_back = movable.motion.bend.component_mul(&pressing);
+        let least = |i: usize| {
+            let profile = movable.segments[i].profile;
+            let curvature = profile.curvature + turned_back[i];
+            GapProfile {
+                curvature,
+                ..profile
+            }
+            .least_under(tilted[i])
+        };
+        let moves = DVector::from_fn(tilted.len(), |i, _| least(i) - self.places[i]);
         // Forces far from equilibrium say little about the places.
         let share = share * (movable.motion.step / moves.amax()).min(1.0);
         let places = &self.places + moves * share;
+        let tilts = tilted - turned_back.component_mul(&places);
         Placed::new(movable, gap, places, tilts)
     }
 
@@ -145,8 +154,7 @@ pub struct Response {
     mobility: DVector<f64>,
 }
 
-/// Relative error at which the response counts as found, and the steps after which it is taken as it is.
-const TOLERANCE: f64 = 1e-11;
+/// Steps after which the response is taken as it is.
 const STEPS: usize = 100;
 
 impl Response {
@@ -162,7 +170,8 @@ impl Response {
         let mobility = DVector::from_fn(active.len(), |number, _| {
             let i = active[number];
             tilt[(number, number)] += bend[i] * placed.places[i];
-            let moves = forces[i] * movable.segments[i].profile.radius_at(placed.places[i]);
+            let moves =
+                forces[i].max(0.0) * movable.segments[i].profile.radius_at(placed.places[i]);
             moves / (1.0 + moves * bend[i])
         });
         Response { tilt, mobility }
@@ -176,15 +185,20 @@ impl Response {
     /// [ B     C + 1 / (F R) ] [ N ] = [ 0       ]
     /// ```
     ///
-    /// is solved by eliminating N, whose part is small, by repetition.
-    pub fn solve(&self, factor: &Cholesky<f64, Dyn>, closing: &DVector<f64>) -> DVector<f64> {
+    /// is solved by eliminating N, whose part is small, by repetition, to the relative error `tolerance`.
+    pub fn solve(
+        &self,
+        factor: &Cholesky<f64, Dyn>,
+        closing: &DVector<f64>,
+        tolerance: f64,
+    ) -> DVector<f64> {
         let mut forces = factor.solve(closing);
         for _ in 0..STEPS {
             let moments = self.mobility.component_mul(&(&self.tilt * &forces));
             let next = factor.solve(&(closing + self.tilt.tr_mul(&moments)));
             let change = (&next - &forces).amax();
             forces = next;
-            if change <= TOLERANCE * forces.amax() {
+            if change <= tolerance * forces.amax() {
                 break;
             }
         }

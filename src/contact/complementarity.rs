@@ -80,7 +80,7 @@ impl Solution {
     /// Forces on the segments in contact by which their closings grow by `closing`, N from m.
     pub fn stiffened(&self, closing: &DVector<f64>) -> DVector<f64> {
         match &self.response {
-            Some(response) => response.solve(&self.factor, closing),
+            Some(response) => response.solve(&self.factor, closing, OF_RESPONSE),
             None => self.factor.solve(closing),
         }
     }
@@ -91,7 +91,10 @@ type Factor = Cholesky<f64, Dyn>;
 /// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
 pub const MAXIMUM_ITERATIONS: usize = 200;
 /// Relative residual below which Newton steps are taken as a whole where contact moves.
-const NEAR: f64 = 1e-2;
+const NEAR: f64 = 0.1;
+/// Relative error of the linear response of a solution, and that of a Newton step where contact moves.
+const OF_RESPONSE: f64 = 1e-11;
+const OF_STEP: f64 = 1e-4;
 /// Newton steps after which contact moves half the way only.
 const SWINGING: usize = 50;
 /// Relative residual at which the iteration ends.
@@ -151,8 +154,12 @@ impl Problem<'_> {
             }
             let system = self.system(&placed);
             let factor = self.factor(system, &at, &active)?;
-            let step = self.newton_step(system, &at, &active, &factor);
-            if placed.is_some() && residual < NEAR {
+            // Places that follow the forces.
+            let near = placed.as_ref().filter(|_| residual < NEAR);
+            let response = (self.movable.zip(near))
+                .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active));
+            let step = self.newton_step(system, &at, &active, &factor, response.as_ref());
+            if response.is_some() {
                 // The whole step, as it will be; what counts is what it leaves at the new places.
                 at.y += &step.y;
                 at.delta += step.delta;
@@ -281,7 +288,12 @@ impl Problem<'_> {
         at: &Iterate,
         active: &[usize],
         factor: &Factor,
+        response: Option<&Response>,
     ) -> Step {
+        let forces = |closing: &DVector<f64>| match response {
+            Some(response) => response.solve(factor, closing, OF_STEP),
+            None => factor.solve(closing),
+        };
         let mut y = -&at.y;
         active.iter().for_each(|&i| y[i] = 0.0);
         // Mostly nothing lets go.
@@ -289,16 +301,14 @@ impl Problem<'_> {
             true => system.displaced(&y),
             false => DVector::zeros(y.len()),
         };
-        let mut change = DVector::from_fn(active.len(), |place, _| {
+        let mut change = forces(&DVector::from_fn(active.len(), |place, _| {
             let (i, loads) = (active[place], &at.loads[active[place]]);
             (loads.force() - at.y[i]) / loads.slope() - freed[i]
-        });
-        factor.solve_mut(&mut change);
+        }));
         let mut delta = 0.0;
         if let Target::Force(force) = self.target {
             let arm = self.arm.select_rows(active);
-            let mut unit = arm.clone();
-            factor.solve_mut(&mut unit);
+            let unit = forces(&arm);
             let carried = arm.dot(&change) + arm.dot(&at.y.select_rows(active));
             delta = (force - carried) / arm.dot(&unit);
             change.axpy(delta, &unit, 1.0);

@@ -43,7 +43,7 @@ pub struct GapProfile {
     /// Curvature there, 1/m.
     pub curvature: f64,
     /// The reliefs, any that are not there [`Breakpoint::NONE`].
-    reliefs: [Breakpoint; RELIEFS],
+    pub(super) reliefs: [Breakpoint; RELIEFS],
     /// Tip edge of gear 2, <= 0, and of gear 1, >= 0, m.
     pub edges: [f64; 2],
 }

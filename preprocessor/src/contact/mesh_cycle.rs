@@ -85,7 +85,7 @@ impl MeshCycle {
     /// Solves all positions under `load`, in parallel, without shafts.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for no positions, else the first error of a position.
+    /// [`Input`](gearmesh::contact::ContactError::Input) for no positions, else the first error of a position.
     pub fn solve(
         solver: &ContactSolver,
         input: &CycleInput,

@@ -1,10 +1,9 @@
 //! The grid of nodes on the loaded flank, and segments as weights on it: line loads spread by a kernel.
 
-use super::element::{GAUSS3, QUAD8, shape};
+use super::element::{GAUSS3, QUAD8};
 use super::section::{Outline, Section};
 use gearmesh::contact::Segment;
 use gearmesh::root::bisection;
-use std::collections::BTreeMap;
 
 /// Weights of the flank nodes that share the force on a segment (they sum to one) and, since loads and
 /// displacements are treated alike, average the displacement of the segment.
@@ -79,21 +78,29 @@ impl FlankGrid {
 
     pub fn weights(&self, segment: &Segment) -> Weights {
         let length = segment.z[1] - segment.z[0];
-        let mut sum = BTreeMap::new();
-        for (layer, low, high) in cells(&self.stations, segment.z) {
+        let layers = cells(&self.stations, segment.z);
+        // Nodes of these layers follow on each other.
+        let in_front = |layer: usize| layer * (3 * (self.arcs.len() - 1) + 2);
+        let first = layers.first().map_or(0, |(layer, ..)| in_front(*layer));
+        let end = layers.last().map_or(0, |(layer, ..)| in_front(layer + 2));
+        let mut sum = vec![0.0; end.min(self.len()) - first];
+        for (layer, low, high) in layers {
             for (x, weight) in GAUSS3 {
                 let share = 0.5 * (1.0 + x);
                 let z = low + share * (high - low);
                 let along = (z - segment.z[0]) / length;
                 let roll = segment.roll[0] + along * (segment.roll[1] - segment.roll[0]);
                 let part = 0.5 * weight * (high - low) / length;
-                self.spread(layer, z, roll, part, &mut sum);
+                self.spread(layer, z, roll, part, &mut |node, share| {
+                    sum[node - first] += share
+                });
             }
         }
-        sum.into_iter().collect()
+        let loaded = |(_, weight): &(usize, f64)| *weight != 0.0;
+        (first..).zip(sum).filter(loaded).collect()
     }
 
-    fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
+    fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, add: &mut impl FnMut(usize, f64)) {
         let kernel = self.kernel(roll);
         let plane = self.stations.len() == 1;
         let zeta = if plane {
@@ -102,16 +109,33 @@ impl FlankGrid {
             local(z, &self.stations, layer)
         };
         for (element, low, high) in cells(&self.arcs, kernel.support()) {
-            let points = GAUSS5.map(|(x, weight)| {
+            // Of the load over the element, about its middle along the profile.
+            let mut moments = [0.0; 3];
+            for (x, weight) in GAUSS5 {
                 let arc = low + x * (high - low);
                 let load = part * weight * (high - low) * kernel.density(arc);
-                (load, [local(arc, &self.arcs, element), zeta, 0.0])
-            });
+                let xi = local(arc, &self.arcs, element);
+                for (moment, power) in moments.iter_mut().zip([1.0, xi, xi * xi]) {
+                    *moment += load * power;
+                }
+            }
             for (node, c) in face_nodes(self.arcs.len() - 1, element, layer, plane) {
-                let shares = points.iter().map(|(load, at)| load * shape(2, c, at).0);
-                *sum.entry(node).or_insert(0.0) += shares.sum::<f64>();
+                add(node, face_share(c, zeta, moments));
             }
         }
+    }
+}
+
+/// Integral of a load along a line of constant `zeta` on a face times the shape function of its node at `c`, [`shape`]; `moments` are the
+/// integrals of the load times 1, xi and xi².
+fn face_share(c: &[f64; 3], zeta: f64, [whole, first, second]: [f64; 3]) -> f64 {
+    let [along, across] = [c[0] * first, c[1] * zeta];
+    match (c[0] == 0.0, c[1] == 0.0) {
+        (false, false) => {
+            0.25 * (1.0 + across) * (second + across * along - (1.0 - across) * whole)
+        }
+        (true, _) => 0.5 * (1.0 + across) * (whole - second),
+        (false, true) => 0.5 * (1.0 - zeta * zeta) * (whole + along),
     }
 }
 
@@ -271,6 +295,7 @@ fn cumulative(t: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::element::shape;
     use super::*;
     use approx::assert_abs_diff_eq;
 
@@ -302,6 +327,17 @@ mod tests {
             }
         }
         sum.exp()
+    }
+
+    #[test]
+    fn shares_of_a_load_on_a_line_are_its_shape_functions() {
+        for (zeta, xi) in [(-1.0, 0.3), (0.4, -0.7), (0.0, 0.0)] {
+            for c in &QUAD8 {
+                let expected = 3.0 * shape(2, c, &[xi, zeta, 0.0]).0;
+                let share = face_share(c, zeta, [3.0, 3.0 * xi, 3.0 * xi * xi]);
+                assert_abs_diff_eq!(share, expected, epsilon = 1e-14);
+            }
+        }
     }
 
     #[test]

@@ -31,12 +31,13 @@ pub use model::{Progress, Stage, centre_line_compliance, sector_unknowns};
 pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};
 
-use crate::compliance::{BeyondModel, ToothCompliance};
+use crate::compliance::{self, BeyondModel, Load, ToothCompliance};
 use crate::gear::body;
 use cache::Stored;
 use flank::{FlankGrid, Weights};
 use gearmesh::contact::Segment;
 use gearmesh::gear::{Flank, Gear, PairGeometry};
+use gearmesh::vector::Lanes;
 use model::Model;
 use nalgebra::DMatrix;
 use std::ops::Range;
@@ -94,11 +95,109 @@ impl FiniteElementCompliance {
         Ok((model, origin))
     }
 
-    /// Factor of the influence of two segments on each other beyond that of their weights.
-    fn slice_factor(&self, a: &Segment, b: &Segment) -> f64 {
-        if !self.plane_strain {
-            return 1.0;
+    /// `loads` on the nodes of the flank.
+    fn loads(&self, segments: &[Segment], loads: &[Load]) -> Result<Vec<FlankLoad>, BeyondModel> {
+        let teeth = || segments.iter().map(|s| s.tooth);
+        let (first, last) = (teeth().min().unwrap_or(0), teeth().max().unwrap_or(0));
+        let (distance, reach) = (last.abs_diff(first) as usize, self.influence.teeth() - 1);
+        if distance > reach {
+            return Err(BeyondModel { distance, reach });
         }
+        let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
+        let spread = |load: &Load| {
+            let parts = load.iter().flat_map(|(i, force)| {
+                let of_segment = weights[*i].iter();
+                of_segment.map(move |(node, weight)| (*node, force * weight))
+            });
+            let mut weights: Weights = parts.collect();
+            if load.len() > 1 {
+                weights.sort_unstable_by_key(|(node, _)| *node);
+                weights.dedup_by(|next, kept| {
+                    let same = next.0 == kept.0;
+                    kept.1 += if same { next.1 } else { 0.0 };
+                    same
+                });
+            }
+            FlankLoad {
+                tooth: segments[load[0].0].tooth,
+                weights,
+            }
+        };
+        Ok(loads.iter().map(spread).collect())
+    }
+
+    /// What each of `rows` works on the displacements by the `wanted` ones of `columns`; zero for the others.
+    fn work_between(
+        &self,
+        [rows, columns]: [&[FlankLoad]; 2],
+        wanted: &dyn Fn(usize) -> Range<usize>,
+    ) -> DMatrix<f64> {
+        let mut work = DMatrix::zeros(rows.len(), columns.len());
+        let of_tooth = |loads: &[FlankLoad], tooth: i32| -> Vec<usize> {
+            (0..loads.len())
+                .filter(|i| loads[*i].tooth == tooth)
+                .collect()
+        };
+        let mut teeth: Vec<i32> = rows.iter().map(|load| load.tooth).collect();
+        teeth.sort_unstable();
+        teeth.dedup();
+        for tooth in &teeth {
+            for other in &teeth {
+                let mut loads = of_tooth(columns, *other);
+                let is_asked = |i: usize, j: usize| wanted(i).contains(&j);
+                let mut observed = of_tooth(rows, *tooth);
+                observed.retain(|i| loads.iter().any(|j| is_asked(*i, *j)));
+                loads.retain(|j| observed.iter().any(|i| is_asked(*i, *j)));
+                if loads.is_empty() {
+                    continue;
+                }
+                let [of_rows, of_columns] = [(rows, &observed), (columns, &loads)]
+                    .map(|(all, some)| some.iter().map(|i| &all[*i].weights).collect::<Vec<_>>());
+                // The model holds displacements of the loaded tooth and of those after it.
+                let offset = tooth.abs_diff(*other) as usize;
+                let found = match tooth >= other {
+                    true => self
+                        .displacements(offset, &of_columns, &of_rows)
+                        .transpose(),
+                    false => self.displacements(offset, &of_rows, &of_columns),
+                };
+                for (row, i) in observed.iter().enumerate() {
+                    for (column, j) in loads.iter().enumerate() {
+                        if is_asked(*i, *j) {
+                            work[(*i, *j)] = found[(row, column)];
+                        }
+                    }
+                }
+            }
+        }
+        work
+    }
+
+    /// Displacements that the weights `observed` see, columns, by those of `loads`, rows, on a tooth `offset` teeth before.
+    fn displacements(
+        &self,
+        offset: usize,
+        loads: &[&Weights],
+        observed: &[&Weights],
+    ) -> DMatrix<f64> {
+        let [(nodes, loads), (seen, observed)] = [loads, observed].map(compact);
+        // Of the nodes, rows, by forces on each of the loaded ones.
+        let mut influence = Vec::with_capacity(seen.len() * nodes.len());
+        let runs = runs(&seen);
+        for node in &nodes {
+            let whole = self.influence.column(offset, *node);
+            for run in &runs {
+                let entries = whole[run.clone()].iter();
+                influence.extend(entries.map(|entry| self.influence.unit * f64::from(*entry)));
+            }
+        }
+        let influence = DMatrix::from_vec(seen.len(), nodes.len(), influence);
+        let displaced = combined(&influence, &loads).transpose();
+        combined(&displaced, &observed)
+    }
+
+    /// Factor of the influence of two segments in plane strain on each other beyond that of their weights.
+    fn slice_factor(&self, a: &Segment, b: &Segment) -> f64 {
         // Segments act on each other as far as they lie in the same slices. The force per length of contact line is cos beta_b
         // times that per metre of depth; so is the displacement along the flank normal seen from the transverse plane, but one
         // of the two factors is left to the shorter path of the line load, as the local contact counts it.
@@ -108,48 +207,45 @@ impl FiniteElementCompliance {
     }
 }
 
+/// Forces on the nodes of the flank of one tooth.
+struct FlankLoad {
+    tooth: i32,
+    weights: Weights,
+}
+
 impl ToothCompliance for FiniteElementCompliance {
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
-        let teeth = || segments.iter().map(|s| s.tooth);
-        let (first, last) = (teeth().min().unwrap_or(0), teeth().max().unwrap_or(0));
-        let (distance, reach) = (last.abs_diff(first) as usize, self.influence.teeth() - 1);
-        if distance > reach {
-            return Err(BeyondModel { distance, reach });
-        }
-        let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
-        let mut matrix = DMatrix::zeros(segments.len(), segments.len());
-        let mut displacement = vec![0.0; self.grid.len()];
-        for tooth in first..=last {
-            let on_tooth = |i: &usize| segments[*i].tooth == tooth;
-            let observed: Vec<usize> = (0..segments.len()).filter(on_tooth).collect();
-            let nodes = observed.iter().flat_map(|i| &weights[*i]);
-            let rows = runs(nodes.map(|(node, _)| *node).collect());
-            for (j, load) in weights.iter().enumerate() {
-                let Ok(offset) = usize::try_from(tooth - segments[j].tooth) else {
-                    continue;
-                };
-                for rows in &rows {
-                    let displacement = &mut displacement[rows.clone()];
-                    displacement.fill(0.0);
-                    for (node, weight) in load {
-                        let weight = weight * self.influence.unit;
-                        let column = &self.influence.column(offset, *node)[rows.clone()];
-                        for (u, c) in displacement.iter_mut().zip(column) {
-                            *u += weight * f64::from(*c);
-                        }
-                    }
-                }
-                // On its own tooth the matrix is symmetric.
-                for i in observed.iter().copied().filter(|i| offset > 0 || j <= *i) {
-                    let response = weights[i].iter();
-                    let value: f64 = response.map(|(node, w)| w * displacement[*node]).sum();
-                    let value = value * self.slice_factor(&segments[i], &segments[j]);
-                    matrix[(i, j)] = value;
-                    matrix[(j, i)] = value;
+        let alone: Vec<Load> = (0..segments.len()).map(|i| vec![(i, 1.0)]).collect();
+        let loads = self.loads(segments, &alone)?;
+        let mut matrix = self.work_between([&loads, &loads], &|row| 0..row + 1);
+        if self.plane_strain {
+            for (j, column) in segments.iter().enumerate() {
+                for (i, row) in segments.iter().enumerate().skip(j) {
+                    matrix[(i, j)] *= self.slice_factor(row, column);
                 }
             }
         }
+        matrix.fill_upper_triangle_with_lower_triangle();
         Ok(matrix)
+    }
+
+    fn work(
+        &self,
+        segments: &[Segment],
+        [rows, columns]: [&[Load]; 2],
+        wanted: &dyn Fn(usize) -> Range<usize>,
+    ) -> Result<DMatrix<f64>, BeyondModel> {
+        if self.plane_strain {
+            // Segments act on each other slice by slice.
+            return Ok(compliance::work(
+                &self.bulk(segments)?,
+                [rows, columns],
+                wanted,
+            ));
+        }
+        let loads = self.loads(segments, &[rows, columns].concat())?;
+        let (rows, columns) = loads.split_at(rows.len());
+        Ok(self.work_between([rows, columns], wanted))
     }
 
     fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
@@ -171,10 +267,44 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 }
 
-/// The `nodes` as ranges of neighbours, ascending: a contact line crosses a part of the flank.
-fn runs(mut nodes: Vec<usize>) -> Vec<Range<usize>> {
-    nodes.sort_unstable();
-    nodes.dedup();
+/// The nodes of `weights`, ascending, and the weights with nodes counted among them.
+fn compact(weights: &[&Weights]) -> (Vec<usize>, Vec<Weights>) {
+    let all = || weights.iter().flat_map(|weights| weights.iter());
+    let end = all().map(|(node, _)| node + 1).max().unwrap_or(0);
+    let mut place = vec![0; end];
+    all().for_each(|(node, _)| place[*node] = 1);
+    let nodes: Vec<usize> = (0..end).filter(|node| place[*node] > 0).collect();
+    for (i, node) in nodes.iter().enumerate() {
+        place[*node] = i;
+    }
+    let counted = |weights: &&Weights| weights.iter().map(|(node, w)| (place[*node], *w)).collect();
+    let counted = weights.iter().map(counted).collect();
+    (nodes, counted)
+}
+
+/// The columns of `matrix` in combinations of the weights `weights`.
+fn combined(matrix: &DMatrix<f64>, weights: &[Weights]) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let mut sums = DMatrix::zeros(n, weights.len());
+    Lanes::widest().run(
+        #[inline(always)]
+        |_| {
+            for (weights, mut sums) in weights.iter().zip(sums.column_iter_mut()) {
+                let sums = sums.as_mut_slice();
+                for (column, weight) in weights {
+                    let column = &matrix.as_slice()[column * n..][..n];
+                    for (sum, value) in sums.iter_mut().zip(column) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+        },
+    );
+    sums
+}
+
+/// The ascending `nodes` as ranges of neighbours: a contact line crosses a part of the flank.
+fn runs(nodes: &[usize]) -> Vec<Range<usize>> {
     let neighbours = nodes.chunk_by(|a, b| a + 1 == *b);
     neighbours
         .map(|run| run[0]..run[run.len() - 1] + 1)

@@ -16,7 +16,7 @@ impl Deflection {
     /// Through `points`: (z in gear 1's frame, closing on the line of action), m.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for fewer than two points, numbers that are not finite, and z that do not ascend.
+    /// [`Input`](gearmesh::contact::ContactError::Input) for fewer than two points, numbers that are not finite, and z that do not ascend.
     pub fn new(points: Vec<[f64; 2]>) -> Result<Deflection, ContactError> {
         let refused = |field, value, remedy| Err(ContactError::input(field, value, remedy));
         if points.len() < 2 {

@@ -17,8 +17,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::motion::{Beside, OfGear, Piece};
 use crate::compliance::{BeyondModel, ToothCompliance};
-use gearmesh::contact::{Candidate, ContactLines, ContactSetup, Influence, Motion, Segment};
+use gearmesh::contact::{Candidate, ContactLines, Influence, Segment};
 use gearmesh::root::bracket;
 
 /// Range over which a load is smoothed along the contact line, over the layers of the elements: elements
@@ -40,17 +41,6 @@ const INDEFINITE: f64 = 2e-5;
 /// Halvings in the search for the share that the bulk matrix can give: to 1e-6.
 const BISECTIONS: usize = 20;
 
-/// A segment on its contact line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Piece {
-    /// Number of the contact line.
-    line: i32,
-    /// Middle along it, m.
-    at: f64,
-    /// Length along it, m.
-    length: f64,
-}
-
 /// Influence of `candidates` of `lines`, which the gears see as `seen`, with their elastic models `compliance`.
 ///
 /// # Errors
@@ -64,44 +54,38 @@ pub fn influence(
     let (numbers, reference) = (&lines.section.numbers, lines.setup.reference_length);
     let n = candidates.len();
     let c = (numbers.bodies).map(|body| 2.0 * body.plane_compliance / std::f64::consts::PI);
-    let bent = lines.setup.settings.bent_teeth;
-    let beside = bent.then(|| Beside::new(lines, candidates, seen));
-    // Of the segments themselves and, where contact may move, of those towards the tip of gear 1 and of gear 2.
-    let blocks = if beside.is_some() { 3 } else { 1 };
-    let mut bulk = DMatrix::zeros(blocks * n, blocks * n);
-    let mut lengths = [Vec::new(), Vec::new()];
-    for (i, model) in compliance.iter().enumerate() {
-        let moved = (beside.iter()).flat_map(|beside| beside.seen.iter().flatten());
-        let segments: Vec<Segment> = seen.iter().chain(moved).map(|both| both[i]).collect();
-        // The models know forces along the normal of their own flank; at a tip edge they act along that of its mate. What
-        // turns the body and bends the tooth is the component along the circumference, by the arm that of the force along the
-        // own normal; measured: within a tenth of what the direction does to the transmission error.
-        let mut own = model.bulk(&segments)?;
-        for (r, candidate) in candidates.iter().cycle().take(blocks * n).enumerate() {
-            own.row_mut(r).scale_mut(candidate.arms[i]);
-            own.column_mut(r).scale_mut(candidate.arms[i]);
-        }
-        bulk += own;
-        lengths[i] = model.reference_lengths(&segments);
-        // The reference length stays: where the model of a place beside has another, the bulk takes the difference.
-        for r in n..blocks * n {
-            let growth = (lengths[i][r] / lengths[i][r % n]).ln();
-            bulk[(r, r)] += c[i] * growth / candidates[r % n].length(numbers.cos_beta_b);
-        }
-        lengths[i].truncate(n);
-    }
-    // Rounding must not break the symmetry that the energy rests on.
-    let bulk = 0.5 * (&bulk + bulk.transpose());
-    let cos_beta_b = numbers.cos_beta_b;
     let piece = |c: &Candidate| Piece {
         line: c.tooth_pair,
-        at: c.middle() / cos_beta_b,
-        length: c.length(cos_beta_b),
+        at: c.middle() / numbers.cos_beta_b,
+        length: c.length(numbers.cos_beta_b),
     };
     let pieces: Vec<Piece> = candidates.iter().map(piece).collect();
-    let motion = beside.map(|beside| motion(&bulk, &pieces, &beside.middle, lines.setup));
-    let bulk = bulk.view((0, 0), (n, n)).into_owned();
-    let layers = compliance.map(|model| model.lengthwise_resolution() / cos_beta_b);
+    let bent = lines.setup.settings.bent_teeth;
+    let mut beside = bent.then(|| Beside::new(lines, candidates, seen, &pieces));
+    let mut bulk = DMatrix::zeros(n, n);
+    let mut lengths = [Vec::new(), Vec::new()];
+    for (gear, model) in compliance.into_iter().enumerate() {
+        let segments: Vec<Segment> = seen.iter().map(|both| both[gear]).collect();
+        let of_gear = OfGear {
+            gear,
+            model,
+            lengths: model.reference_lengths(&segments),
+            segments,
+            // The models know forces along the normal of their own flank; at a tip edge they act along that of its mate. What
+            // turns the body and bends the tooth is the component along the circumference, by the arm that of the force along
+            // the own normal; measured: within a tenth of what the direction does to the transmission error.
+            arms: candidates.iter().map(|c| c.arms[gear]).collect(),
+            plane_compliance: c[gear],
+        };
+        bulk += match &mut beside {
+            Some(beside) => beside.add(&of_gear)?,
+            None => of_gear.bulk()?,
+        };
+        lengths[gear] = of_gear.lengths;
+    }
+    bulk.fill_upper_triangle_with_lower_triangle();
+    let motion = beside.map(|beside| beside.motion(&bulk, lines.setup));
+    let layers = compliance.map(|model| model.lengthwise_resolution() / numbers.cos_beta_b);
     let thickest = SMOOTHING_OVER_LAYER * layers[0].max(layers[1]);
     let smoothing = thickest.max(SMOOTHING_OVER_REFERENCE * reference);
     let mut influence = Influence {
@@ -189,69 +173,6 @@ fn divide(
             *length *= (all * share * growth(*length, reference)).exp();
         }
     }
-}
-
-/// Segments beside those of a position, moved along the profile.
-struct Beside {
-    /// Towards the tip of gear 1, and towards that of gear 2.
-    seen: [Vec<[Segment; 2]>; 2],
-    /// Where the middle between both lies, m from the segment: zero but near tip edges and starts of involutes.
-    middle: Vec<f64>,
-}
-
-impl Beside {
-    fn new(lines: &ContactLines<'_>, candidates: &[Candidate], seen: &[[Segment; 2]]) -> Beside {
-        let Motion { step, .. } = Motion::still(0, lines.setup);
-        let [low, high] = [0, 1].map(|side| {
-            let rooms = candidates.iter().map(|segment| lines.room(segment)[side]);
-            rooms.collect::<Vec<f64>>()
-        });
-        let middle = |(low, high): (&f64, &f64)| 0.0f64.min(high - step).max(low + step);
-        let middle: Vec<f64> = low.iter().zip(&high).map(middle).collect();
-        let moved = |by: f64| {
-            let both = seen.iter().zip(&middle);
-            let numbers = &lines.section.numbers;
-            both.map(|(seen, middle)| numbers.moved(seen, middle + by))
-                .collect()
-        };
-        Beside {
-            seen: [moved(step), moved(-step)],
-            middle,
-        }
-    }
-}
-
-/// From the influence `all` of the segments `pieces`, of those moved by a step and of those moved by a step back from their `middle` (m).
-fn motion(all: &DMatrix<f64>, pieces: &[Piece], middle: &[f64], setup: &ContactSetup) -> Motion {
-    let n = middle.len();
-    let block = |a: usize, b: usize| all.view((a * n, b * n), (n, n));
-    let (here, plus, minus, across) = (block(0, 0), block(1, 1), block(2, 2), block(1, 2));
-    let mut motion = Motion::still(n, setup);
-    let step = motion.step;
-    let share = |i: usize| (1.0 - middle[i].abs() / step).max(0.0);
-    for i in 0..n {
-        for j in 0..n {
-            let at = (i, j);
-            // Where both places move alike: the slope at the middle between them, and half the second derivative.
-            let rise = (plus[at] - minus[at]) / (2.0 * step);
-            let off = 0.5 * (middle[i] + middle[j]);
-            let square = step * step - off * off;
-            let second = 0.5 * (plus[at] + minus[at]) - here[at] - off * rise;
-            let shares = share(i) * share(j);
-            let bend = if shares > 0.0 {
-                shares * second / square
-            } else {
-                0.0
-            };
-            if pieces[i].line == pieces[j].line {
-                motion.bend[i] += bend * pieces[j].length / pieces[i].length;
-            }
-            let turned = (across[at] - across[(j, i)]) / (2.0 * step);
-            motion.tilt[at] = 0.5 * (rise - 2.0 * off * bend + turned);
-        }
-    }
-    motion.bend.apply(|bend| *bend = bend.max(0.0));
-    motion
 }
 
 /// ln(reference / length), zero where the length is longer.

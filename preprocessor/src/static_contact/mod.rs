@@ -7,6 +7,7 @@ mod deflection;
 mod edge_load;
 mod error;
 mod influence;
+mod motion;
 mod position;
 mod solver;
 #[cfg(test)]

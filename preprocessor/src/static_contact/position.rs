@@ -157,7 +157,7 @@ impl PositionProblem {
     /// same position, if there is one. Without torque the flanks just touch.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for a torque that is negative or not finite, else as [`PositionProblem::solve_approach`].
+    /// [`Input`](gearmesh::contact::ContactError::Input) for a torque that is negative or not finite, else as [`PositionProblem::solve_approach`].
     pub fn solve_torque(
         &self,
         torque: f64,
@@ -178,7 +178,7 @@ impl PositionProblem {
     /// Contact at `approach` (m on the line of action at mid-face) and `misalignment` (rad), from the forces of `warm` if there is one.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::Unsolved`] where a [`Failure`] says why.
+    /// [`Input`](gearmesh::contact::ContactError::Input) for numbers that are not finite, [`Unsolved`](gearmesh::contact::ContactError::Unsolved) where a [`Failure`] says why.
     pub fn solve_approach(
         &self,
         approach: f64,

@@ -73,7 +73,7 @@ impl ContactSolver {
     /// A solver for `pair` on the elastic models of gear 1 and gear 2.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for no stations or a reach that is not positive,
+    /// [`Input`](gearmesh::contact::ContactError::Input) for no stations or a reach that is not positive,
     /// [`ContactError::Profile`] for a gear without a usable tooth.
     pub fn new(
         pair: &Pair,
@@ -237,7 +237,7 @@ impl ContactSolver {
     /// `center_distance_offset` (m) from the nominal centre distance. It serves all loads and misalignments.
     ///
     /// # Errors
-    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::OutOfMesh`] where teeth cannot meet,
+    /// [`Input`](gearmesh::contact::ContactError::Input) for numbers that are not finite, [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where teeth cannot meet,
     /// [`ContactError::BeyondModel`] where more teeth may than the elastic models hold.
     pub fn position(
         &self,
@@ -264,7 +264,7 @@ impl ContactSolver {
     /// touches at the pitch point at mid-face.
     ///
     /// # Errors
-    /// As there; [`ContactError::OutOfMesh`] where it is not within reach.
+    /// As there; [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where it is not within reach.
     pub fn tooth_pair(
         &self,
         flank: Flank,
@@ -278,7 +278,7 @@ impl ContactSolver {
     /// Places between which a tooth pair comes within the reach of contact at the deviation `center_distance_offset` (m).
     ///
     /// # Errors
-    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    /// [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where teeth cannot meet.
     pub fn passage(&self, center_distance_offset: f64) -> Result<[f64; 2], ContactError> {
         let section = self.setup.section(&self.numbers, center_distance_offset)?;
         Ok(section.passage())
@@ -331,7 +331,7 @@ impl ContactSolver {
     /// Deflects the flanks of `problem`, made by [`ContactSolver::position`] for `flank` and `mesh_position`, from `present` to `next`.
     ///
     /// # Errors
-    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    /// [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where teeth cannot meet.
     pub fn deflect(
         &self,
         problem: &mut PositionProblem,
@@ -390,7 +390,7 @@ impl ContactSolver {
     /// The stations along the face as gear 1 and gear 2 see them where tooth pair 0 touches at the pitch point at mid-face.
     ///
     /// # Errors
-    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    /// [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where teeth cannot meet.
     pub fn stations(&self, flank: Flank) -> Result<Vec<[Segment; 2]>, ContactError> {
         let lines = self.lines(flank, 0.0, 0.0)?.clamped();
         let stations = 0..self.setup.settings.stations;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use approx::assert_relative_eq;
 use nalgebra::DMatrix;
 
 use super::{ContactSolver, PositionProblem};
@@ -9,6 +10,7 @@ use crate::compliance::{BeyondModel, ToothCompliance};
 use gearmesh::contact::{ContactSettings, Segment};
 use gearmesh::gear::Flank;
 
+const FZG: &str = include_str!("../../../resources/pairs/fzg-c.json");
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");
 
 /// Segments that do not know of each other.
@@ -49,5 +51,88 @@ fn a_segment_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
             let failure = "the contact solve stopped at a residual of NaN";
             assert!(error.to_string().contains(failure), "{error}");
         }
+    }
+}
+
+/// A flank that gives way by `compliance` f(x) f(y) (m) at x under one newton at y, both arcs of the involute from its base circle (m); as the
+/// gear turns it gives way to forces near its tip most.
+struct Smooth {
+    base_radius: f64,
+    compliance: f64,
+}
+
+impl Smooth {
+    /// f and its first two derivatives.
+    fn of_arc(x: f64) -> [f64; 3] {
+        [1.0 + 30.0 * x + 200.0 * x * x, 30.0 + 400.0 * x, 400.0]
+    }
+
+    fn arc(&self, roll: f64) -> f64 {
+        roll * roll / (2.0 * self.base_radius)
+    }
+}
+
+impl ToothCompliance for Smooth {
+    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
+        let value = |s: &Segment| Smooth::of_arc(self.arc(0.5 * (s.roll[0] + s.roll[1])))[0];
+        let values: Vec<f64> = segments.iter().map(value).collect();
+        let n = values.len();
+        Ok(DMatrix::from_fn(n, n, |i, j| {
+            self.compliance * values[i] * values[j]
+        }))
+    }
+
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
+        vec![1e-3; segments.len()]
+    }
+}
+
+#[test]
+fn slopes_over_the_places_of_contact_are_those_of_the_compliance() {
+    let pair = crate::pair::from_json(FZG).unwrap();
+    let gears = &pair.geometry.gears;
+    // Gear 1 of plastic, so that contact moves.
+    let compliances = [1e-7, 1e-8];
+    let models = [0, 1].map(|gear| -> Arc<dyn ToothCompliance> {
+        Arc::new(Smooth {
+            base_radius: gears[gear].base_radius(),
+            compliance: compliances[gear],
+        })
+    });
+    let solver = ContactSolver::new(&pair, models, ContactSettings::default()).unwrap();
+    let node = solver.node(Flank::Drive, [0.3, 0.0]).unwrap();
+    let motion = node.influence.motion.unwrap();
+    // Of both gears, at each segment: towards the tip of gear 1 the arc grows on gear 1 and shrinks on gear 2.
+    let of_gear = |i: usize, gear: usize| {
+        let roll = node.segments[i].roll[gear];
+        let sign = [1.0, -1.0][gear];
+        let [f, slope, bend] = Smooth::of_arc(roll * roll / (2.0 * gears[gear].base_radius()));
+        [f, sign * slope, bend]
+    };
+    let of_one_pair = |i: &usize| node.segments[*i].tooth_pair == 0;
+    let of_one_pair: Vec<usize> = (0..node.segments.len()).filter(of_one_pair).collect();
+    assert!(of_one_pair.len() >= 10);
+    // Off the path forces have other arms.
+    let on_path = (0..node.segments.len()).filter(|i| node.segments[*i].arms == [1.0; 2]);
+    assert!(on_path.clone().count() > of_one_pair.len());
+    for &i in &of_one_pair {
+        let mut bend = 0.0;
+        for j in on_path.clone() {
+            let [a, b] = [i, j].map(|k| [0, 1].map(|gear| of_gear(k, gear)));
+            let slopes = [0, 1].map(|gear| compliances[gear] * a[gear][1] * b[gear][0]);
+            assert_relative_eq!(
+                motion.tilt[(i, j)],
+                slopes[0] + slopes[1],
+                max_relative = 1e-3
+            );
+            if of_one_pair.contains(&j) {
+                let seconds = [0, 1].map(|gear| {
+                    let ([f, slope, bend], [g, other, other_bend]) = (a[gear], b[gear]);
+                    0.5 * compliances[gear] * (f * other_bend + 2.0 * slope * other + bend * g)
+                });
+                bend += seconds[0] + seconds[1];
+            }
+        }
+        assert_relative_eq!(motion.bend[i], bend, max_relative = 1e-2);
     }
 }

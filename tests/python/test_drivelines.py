@@ -22,6 +22,7 @@ from examples.drivelines.response import jump, linear
 from examples.drivelines.sweep import __main__ as study
 from examples.drivelines.tutorial import __main__ as tutorial
 from scripts.docs.check import cell
+from validation import steps
 
 
 def test_bricks_bend_as_a_free_plate_does():
@@ -236,6 +237,20 @@ def test_the_unit_loses_over_a_mesh_cycle_what_solve_says(law):
     assert loss.through_the_fmu("C14", law, 1500.0) == pytest.approx(expected, rel=5e-3)
     if law == "schlenk":
         assert expected == pytest.approx(loss.PUBLISHED, rel=0.035)
+
+
+@pytest.fixture(scope="module")
+def on_bearings():
+    with closing(masters.Gears(steps.TOUCHING)) as gears:
+        return steps.exact(gears, 2.5e-7), steps.hosts(gears)
+
+
+@pytest.mark.parametrize("name", ["loop, the FMU first", "loop, all at once", *ssp.HOSTS])
+def test_a_host_that_says_nothing_may_take_more_than_ten_times_the_step_of_held_loads(on_bearings, name):
+    reference, hosts = on_bearings
+    host, _ = hosts[name]
+    found, held = host("automatic", 4e-6), host("held", 2.5e-7)
+    assert masters.distance(found[0], reference, found[1]) < masters.distance(held[0], reference, held[1]) < 2e-3
 
 
 @pytest.mark.parametrize("host", ssp.HOSTS)

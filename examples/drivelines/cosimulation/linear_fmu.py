@@ -7,9 +7,9 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 
 class LinearSlave(Fmi2Slave):
-    """Steps `self.system` under the inputs `self.u` and the constant loads `self.drive`."""
+    """Steps `self.system` under the inputs `self.u` and the loads `self.drive`, which rise within `self.rise` s."""
 
-    drive = 0.0
+    drive, rise = 0.0, 0.0
 
     def begin(self):
         """Start values that were packed, by name."""
@@ -24,6 +24,7 @@ class LinearSlave(Fmi2Slave):
         self.register_variable(Real(name, causality=Fmi2Causality.output, getter=value))
 
     def do_step(self, current_time, step_size):
-        loads = self.u + self.drive
+        middle = current_time + 0.5 * step_size
+        loads = self.u + self.drive * (min(1.0, middle / self.rise) if self.rise else 1.0)
         self.system.x = self.system.step(loads, loads, step_size)
         return True

@@ -17,6 +17,7 @@ class Shafts(LinearSlave):
         begin = self.begin()
         self.system = shafts(np.array(begin.get("shafts", [0.0] * 12)))
         self.drive = np.concatenate([begin.get("drive", [0.0] * 6), np.zeros(4)])
+        self.rise = begin.get("rise", 0.0)
         self.u = np.array(begin.get("exchange", [0.0] * 10))
         loads = [f"{g}.{n}" for g in ("gear1", "gear2") for n in ("force[1]", "force[2]", "moment[3]")]
         self.add_inputs([*loads, "seat1.position", "seat2.position", "seat1.velocity", "seat2.velocity"])

@@ -26,29 +26,34 @@ COLUMNS = [1, 4, 5]  # of those in the coordinates of the shafts
 
 
 def build(gears, begin, coupling: str = "parallel") -> Path:
-    """Packs the three FMUs with `begin`, the states of shafts and housing, as start, the gears with `coupling`, and writes the SSP."""
+    """The SSP of the three FMUs with `begin`, the states of shafts and housing, as start, the gears with `coupling`."""
+    values = exchange(gears, *begin)
+    start = {
+        "shafts": begin[0].tolist(), "housing": begin[1].tolist(), "drive": DRIVE.tolist(),
+        "exchange": values[np.r_[0:6, 8:12]].tolist(), "forces": values[6:8].tolist(),
+    }  # fmt: skip
+    return assemble(("shafts", "housing"), start, begin[0], {"coupling": coupling, "phaseReference": "absolute"})
+
+
+def assemble(bodies: tuple[str, ...], start: dict, shafts: np.ndarray, choices: dict) -> Path:
+    """Packs the FMUs of `bodies` with the values of `start`, and that of the gears at the state of the `shafts` with `choices`; writes the SSP."""
     folder, here = OUT / "ssp", Path(__file__).parent
     folder.mkdir(parents=True, exist_ok=True)
-    values = exchange(gears, *begin)
-    start = folder / "start.json"
-    start.write_text(
-        json.dumps({
-            "shafts": begin[0].tolist(), "housing": begin[1].tolist(), "drive": DRIVE.tolist(),
-            "exchange": values[np.r_[0:6, 8:12]].tolist(), "forces": values[6:8].tolist(),
-        })
-    )  # fmt: skip
+    (folder / "start.json").write_text(json.dumps(start))
     sys.path.insert(0, str(here))
     try:
-        for name in ("shafts", "housing"):
-            FmuBuilder.build_FMU(here / f"{name}_fmu.py", dest=folder, project_files=[here / "subsystems.py", here / "linear_fmu.py", start])
+        for name in bodies:
+            files = [here / "subsystems.py", here / "linear_fmu.py", folder / "start.json"]
+            FmuBuilder.build_FMU(here / f"{name}_fmu.py", dest=folder, project_files=files)
     finally:
         sys.path.remove(str(here))
-    pose = begin[0].copy()
+    pose = shafts.copy()
     pose[3] += CENTER_DISTANCE
-    starts = dict(zip(IN + RATES, pose.tolist())) | {"coupling": coupling, "phaseReference": "absolute"}
+    starts = dict(zip(IN + RATES, pose.tolist())) | choices
     gearmesh.pack(ROOT / "resources" / "tables" / "helical-25-47.json", folder / "Gears.fmu", set=starts)
-    units = {name: folder / f"{name.capitalize()}.fmu" for name in ("shafts", "housing", "gears")}
-    return write_ssp(folder / "gearbox.ssp", units, CONNECTIONS)
+    units = {name: folder / f"{name.capitalize()}.fmu" for name in (*bodies, "gears")}
+    within = [c for c in CONNECTIONS if c[0] in units and c[2] in units]
+    return write_ssp(folder / "gearbox.ssp", units, within)
 
 
 def with_ecos(ssp: Path, duration: float, size: float) -> np.ndarray:

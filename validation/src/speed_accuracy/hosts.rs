@@ -62,7 +62,7 @@ pub fn cost(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in ["palermo2013", "helical-25-47"] {
         let tables = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
-        for coupling in ["held", "sequential", "parallel"] {
+        for coupling in ["held", "sequential", "parallel", "automatic"] {
             let contents = Contents {
                 name,
                 geometry: &tables.geometry,

@@ -11,6 +11,7 @@ pub mod speed_accuracy;
 #[path = "../../tests/common/spring.rs"]
 mod spring;
 pub mod stability;
+pub mod tables;
 pub mod timing;
 
 use std::path::PathBuf;

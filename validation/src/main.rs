@@ -4,7 +4,7 @@ use clap::Parser;
 use gearmesh_validation::data::Data;
 use gearmesh_validation::{
     Context, Result, contact_at_run_time, finite_elements, in_repository, speed_accuracy,
-    stability, timing,
+    stability, tables, timing,
 };
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,7 +14,7 @@ type Chapter = fn(&Context, &Data) -> Result<()>;
 
 const MACHINE: Chapter = |_, data| timing::machine(data);
 
-const FOLDERS: [(&str, &[(&str, Chapter)]); 4] = [
+const FOLDERS: [(&str, &[(&str, Chapter)]); 5] = [
     (
         "stability",
         &[
@@ -57,6 +57,7 @@ const FOLDERS: [(&str, &[(&str, Chapter)]); 4] = [
             ("cost", contact_at_run_time::cost::report),
         ],
     ),
+    ("tables", &[("edges", tables::edges::report)]),
 ];
 
 /// Measures what docs/ says of gearmesh.

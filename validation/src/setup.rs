@@ -18,8 +18,7 @@ use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::static_contact::{ContactResult, ContactSolver};
 use gearmesh_preprocessor::table::{
-    Coverage, TeethSweep, default_axes, default_teeth_axes, displacement_nodes, mesh_positions,
-    sweep,
+    Coverage, TeethSweep, default_teeth_axes, displacement_nodes, mesh_positions, sweep,
 };
 use gears::{gear, paper_pair, thinned};
 use rayon::prelude::*;
@@ -251,19 +250,15 @@ impl Setup {
     /// The default axes thinned to `counts` (displacement, centre distance, misalignment, mesh position) nodes; 1 leaves
     /// an axis out.
     pub fn axes(&self, counts: [usize; 4]) -> Axes {
-        let full = default_axes(&self.coverage());
-        let thinned = |nodes: Vec<f64>, n: usize| match n {
+        let coverage = self.coverage();
+        let along = |n: usize, nodes: &dyn Fn(usize) -> Vec<f64>| match n {
             1 => vec![0.0],
-            _ => nodes
-                .iter()
-                .copied()
-                .step_by((nodes.len() - 1) / (n - 1))
-                .collect(),
+            _ => nodes(n),
         };
         Axes {
             displacement_fraction: displacement_nodes(counts[0], 1.6),
-            center_distance_offset: thinned(full.center_distance_offset, counts[1]),
-            misalignment: thinned(full.misalignment, counts[2]),
+            center_distance_offset: along(counts[1], &|n| coverage.offsets(n)),
+            misalignment: along(counts[2], &|n| coverage.graded_misalignments(n, 2.0)),
             mesh_position: mesh_positions(counts[3]),
         }
     }

@@ -8,6 +8,7 @@ use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankTable, InterpolationError, Query, TableError};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What a table must cover.
@@ -73,6 +74,10 @@ const MISALIGNMENTS: usize = 17;
 const GRADING: f64 = 2.0;
 const MISALIGNMENTS_WIDE: usize = 33;
 
+/// Nodes beyond a limit of the misalignment, over that limit. Without them the moment of shuttling, which the slope over the
+/// misalignment makes, is least certain at the limits, and beyond them it follows no solution.
+const OUTSIDE: [f64; 2] = [1.3, 1.6];
+
 /// How far apart misalignments may lie at parallel axes in units of [`tilt`], and how far they do of a wide tilt. Measured on
 /// faces of 20 to 150 mm at m = 2 mm: from 1.8 on no spline is above zero; at 0.3 force errors are 0.2 % rms.
 const FARTHEST_APART: f64 = 0.5;
@@ -92,24 +97,44 @@ impl Coverage {
         }
     }
 
-    /// `n` even centre distance offsets; 0 where there is no range.
-    pub(super) fn offsets(&self, n: usize) -> Vec<f64> {
+    /// `n` even centre distance offsets, m; 0 where there is no range.
+    pub fn offsets(&self, n: usize) -> Vec<f64> {
         (self.center_distance_offset).map_or(vec![0.0], |range| graded(range, n, 0.0))
     }
 
-    /// `n` misalignments, likewise, graded towards parallel axes.
-    pub(super) fn graded_misalignments(&self, n: usize, grading: f64) -> Vec<f64> {
+    /// `n` misalignments, rad, likewise, denser towards parallel axes the larger `grading`.
+    pub fn graded_misalignments(&self, n: usize, grading: f64) -> Vec<f64> {
         (self.misalignment).map_or(vec![0.0], |range| graded(range, n, grading))
+    }
+
+    /// `nodes` over the range of the misalignment, and those [`OUTSIDE`] of it; not where parallel axes are an end of the range, for
+    /// there approaches have their kink.
+    pub(super) fn with_outside(&self, nodes: Vec<f64>) -> Vec<f64> {
+        let [low, high] = self.misalignment.unwrap_or_default();
+        if !(low < 0.0 && high > 0.0) {
+            return nodes;
+        }
+        let below = OUTSIDE.iter().rev().map(|part| part * low);
+        let above = OUTSIDE.iter().map(|part| part * high);
+        below.chain(nodes).chain(above).collect()
+    }
+
+    /// Indices of those of the misalignments `nodes` that lie in the range.
+    pub(super) fn inside_of(&self, nodes: &[f64]) -> Range<usize> {
+        let Some([low, high]) = self.misalignment else {
+            return 0..nodes.len();
+        };
+        nodes.partition_point(|&m| m < low)..nodes.partition_point(|&m| m <= high)
     }
 }
 
-/// The default grid of `coverage`, without regard to an error: 12 displacements, 9 centre distances, 17
-/// misalignments denser at parallel axes, 32 mesh positions.
+/// The default grid of `coverage`, without regard to an error: 14 displacements, denser under low loads, 5 centre distances, 17
+/// misalignments denser at parallel axes and two beyond either end, 32 mesh positions.
 pub fn default_axes(coverage: &Coverage) -> Axes {
     Axes {
-        displacement_fraction: displacement_nodes(12, 1.6),
-        center_distance_offset: coverage.offsets(9),
-        misalignment: coverage.graded_misalignments(MISALIGNMENTS, GRADING),
+        displacement_fraction: displacement_nodes(14, 2.0),
+        center_distance_offset: coverage.offsets(5),
+        misalignment: coverage.with_outside(coverage.graded_misalignments(MISALIGNMENTS, GRADING)),
         mesh_position: mesh_positions(32),
     }
 }
@@ -117,6 +142,11 @@ pub fn default_axes(coverage: &Coverage) -> Axes {
 /// Misalignments for `coverage`: those of [`default_axes`], and where these lie too far apart at parallel axes for
 /// `tilt` (rad, see [`tilt()`]), twice as many that are closer there.
 pub fn misalignments(coverage: &Coverage, tilt: f64) -> Vec<f64> {
+    coverage.with_outside(inside(coverage, tilt))
+}
+
+/// Those of [`misalignments`] within the range.
+pub(super) fn inside(coverage: &Coverage, tilt: f64) -> Vec<f64> {
     let usual = coverage.graded_misalignments(MISALIGNMENTS, GRADING);
     match coverage.misalignment {
         Some(range) if closest(&usual) > FARTHEST_APART * tilt => {

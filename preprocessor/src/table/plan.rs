@@ -19,6 +19,7 @@ use gearmesh::table::{
     Axes, Axis, FlankGrid, FlankTable, Interpolation, InterpolationError, Query, TableError,
 };
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Largest error that a table may have, as a multiple of its rms error: 1.5 % where 0.2 % is the aim.
 const LARGEST_TO_RMS: f64 = 7.5;
@@ -183,15 +184,24 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
     if let Some(k) = nearest.filter(|&k| k > 0 && k + 1 < n) {
         nodes[k] = 0.0;
     }
-    Some(nodes)
+    Some(match axis {
+        Axis::Misalignment => coverage.with_outside(nodes),
+        _ => nodes,
+    })
 }
 
-/// Indices to begin with among the fine `nodes`, and the most to be chosen.
-fn first_choice(axis: Axis, nodes: &[f64]) -> (Vec<usize>, usize) {
+/// Indices to begin with among the fine `nodes`, which cover the range of the table with those `inside`, and the most to be chosen.
+fn first_choice(axis: Axis, nodes: &[f64], inside: Range<usize>) -> (Vec<usize>, usize) {
     let n = nodes.len();
     let (mut first, most): (Vec<usize>, usize) = match axis {
         Axis::CenterDistance => ((0..n).step_by(4).collect(), 17),
-        Axis::Misalignment => ((0..n).step_by(4).collect(), 45),
+        // Those outside the range are always there.
+        Axis::Misalignment => {
+            let mut nodes: Vec<usize> = (0..n).filter(|i| !inside.contains(i)).collect();
+            let most = 45 + nodes.len();
+            nodes.extend(inside.step_by(4));
+            (nodes, most)
+        }
         Axis::Displacement => (vec![4, 11, 20, 32, n - 1], 30),
         Axis::MeshPosition => ((0..n).step_by(8).collect(), 96),
     };
@@ -215,6 +225,8 @@ const NO_TABLE: f64 = 1e3;
 struct Lines {
     axis: Axis,
     nodes: Vec<f64>,
+    /// Indices of those in the range of the table, where errors count.
+    inside: Range<usize>,
     /// The samples of each line, and the splines through all of them; `None` where no table can be put through them.
     grids: Vec<(FlankGrid, Option<FlankTable>)>,
     nominal: Nominal,
@@ -253,9 +265,14 @@ impl Lines {
             let table = through(&grid)?;
             grids.push((grid, table));
         }
+        let inside = match axis {
+            Axis::Misalignment => coverage.inside_of(&nodes),
+            _ => 0..nodes.len(),
+        };
         Ok(Lines {
             axis,
             nodes,
+            inside,
             grids,
             nominal,
         })
@@ -286,14 +303,15 @@ impl Lines {
         Ok(errors)
     }
 
-    /// Mean square of the error at each fine node over lines and loads, and the largest error.
+    /// Mean square of the error at each fine node in the range over lines and loads, and the largest error.
     fn errors(&self, chosen: &[usize]) -> Result<(Vec<f64>, f64), TableError> {
         let lines = self.grids.par_iter();
         let lines = lines.map(|(grid, fine)| self.line_errors(grid, fine.as_ref(), chosen));
         let mut square = vec![0.0; self.nodes.len()];
         let mut largest: f64 = 0.0;
         for errors in lines.collect::<Result<Vec<_>, TableError>>()? {
-            for (sum, e) in square.iter_mut().zip(&errors) {
+            for i in self.inside.clone() {
+                let (sum, e) = (&mut square[i], &errors[i]);
                 *sum += e.iter().map(|e| e * e).sum::<f64>() / (e.len() * self.grids.len()) as f64;
                 largest = e.iter().copied().fold(largest, f64::max);
             }
@@ -303,13 +321,14 @@ impl Lines {
 
     fn choices(&self) -> Result<Vec<Choice>, TableError> {
         let (nodes, n) = (&self.nodes, self.nodes.len());
-        let (mut chosen, most) = first_choice(self.axis, nodes);
+        let (mut chosen, most) = first_choice(self.axis, nodes, self.inside.clone());
         let is_symmetric = self.axis == Axis::Misalignment
             && (0..n).all(|i| (nodes[i] + nodes[n - 1 - i]).abs() <= 1e-12 * nodes[n - 1].abs());
         // Where the fine nodes lie close, each stands for less of the axis.
-        let range = nodes[n - 1] - nodes[0];
-        let share =
-            |i: usize| 0.5 * (nodes[(i + 1).min(n - 1)] - nodes[i.saturating_sub(1)]) / range;
+        let [first, last] = [self.inside.start, self.inside.end - 1];
+        let at = |i: usize| nodes[i.clamp(first, last)];
+        let range = nodes[last] - nodes[first];
+        let share = |i: usize| 0.5 * (at(i + 1) - at(i.saturating_sub(1))) / range;
         let mut choices = Vec::new();
         loop {
             let (square, largest) = self.errors(&chosen)?;

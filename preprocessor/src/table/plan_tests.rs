@@ -99,7 +99,24 @@ fn only_the_dimensions_asked_for_are_computed() {
     let grid = sweep(&Formula, Flank::Drive, &axes, 20.0, &watched).unwrap();
     grid.check("drive").unwrap();
     assert_eq!(grid.axes.present(), [false, true, true]);
-    assert_eq!(done.into_inner(), 17 * 32 * 13);
+    assert_eq!(done.into_inner(), 21 * 32 * 15);
+}
+
+#[test]
+fn misalignments_go_on_beyond_limits_on_either_side_of_parallel_axes() {
+    let nodes = |range| {
+        let coverage = Coverage {
+            misalignment: Some(range),
+            ..coverage()
+        };
+        let nodes = misalignments(&coverage, f64::INFINITY);
+        assert!(nodes.windows(2).all(|w| w[0] < w[1]), "{nodes:?}");
+        let inside = coverage.inside_of(&nodes);
+        assert_eq!([nodes[inside.start], nodes[inside.end - 1]], range);
+        [nodes[0], nodes[nodes.len() - 1]]
+    };
+    assert_eq!(nodes([-2e-3, 1e-3]), [1.6 * -2e-3, 1.6 * 1e-3]);
+    assert_eq!(nodes([0.0, 1e-3]), [0.0, 1e-3]);
 }
 
 #[test]
@@ -186,7 +203,7 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
             FlankTable::new(&grid, Interpolation::Spline)
         };
         let nodes = misalignments(&coverage, tilt);
-        assert_eq!([nodes[0], nodes[nodes.len() - 1]], range);
+        assert!(range.iter().all(|end| nodes.contains(end)));
         assert!(nodes.windows(2).all(|w| w[0] < w[1]));
         assert!(closest(&nodes) <= 0.3 * tilt, "{range:?}");
         if range[0] == -range[1] {

@@ -14,7 +14,9 @@ use gearmesh::table::{
 };
 use serde_json::{Value, json};
 
-use super::coverage::{Coverage, default_axes, measure, measure_at_run_time, misalignments, tilt};
+use super::coverage::{
+    Coverage, default_axes, inside, measure, measure_at_run_time, misalignments, tilt,
+};
 use super::plan::table_within;
 use super::records::{
     RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding,
@@ -219,7 +221,7 @@ impl Recipe {
             tilt,
             progress,
         };
-        let source = WatchedSolver::new(&models.solver);
+        let source = WatchedSolver::new(&models.solver, coverage.misalignment);
         let (drive, coast, error) = sweeps.force(&source, self.max_error)?;
         account.quality = source.quality();
         let mut file = TableFile::new(
@@ -381,7 +383,10 @@ impl Sweeps<'_> {
     ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), RecipeError> {
         let (drive, error) = match max_error {
             None => {
-                let axes = self.with_misalignments(default_axes(self.coverage));
+                let axes = Axes {
+                    misalignment: misalignments(self.coverage, self.tilt),
+                    ..default_axes(self.coverage)
+                };
                 self.grid(&axes, solver, Flank::Drive)?
             }
             Some(bound) => table_within(
@@ -482,7 +487,10 @@ impl Sweeps<'_> {
             coast_mirrors_drive: self.models.pair.coast_mirrors_drive(),
             friction,
         };
-        let axes = self.with_misalignments(default_teeth_axes(self.coverage));
+        let axes = Axes {
+            misalignment: inside(self.coverage, self.tilt),
+            ..default_teeth_axes(self.coverage)
+        };
         sweep.record(&axes, HELD_OUT_POINTS, &self.stage("tooth pairs"))
     }
 
@@ -506,13 +514,6 @@ impl Sweeps<'_> {
             Some(_) => drive.with(error(Flank::Coast)?),
             None => drive,
         })
-    }
-
-    fn with_misalignments(&self, axes: Axes) -> Axes {
-        Axes {
-            misalignment: misalignments(self.coverage, self.tilt),
-            ..axes
-        }
     }
 
     /// `work` on the coast flank, where it has tables of its own.

@@ -1,6 +1,7 @@
 //! Static solutions: where they come from, and the sweep that fills a grid with them.
 
 use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use gearmesh::accuracy::is_beyond;
 use gearmesh::contact::Prescribed;
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
@@ -71,17 +72,21 @@ pub struct SolveQuality {
     pub kkt_residual: f64,
 }
 
-/// A contact solver that keeps account of its solves.
+/// A contact solver that keeps account of its solves. Beyond the misalignments of a pair it also gives what no flank bears: nodes
+/// there only say how a table goes on.
 pub struct WatchedSolver<'a> {
     solver: &'a ContactSolver,
+    /// rad; None: parallel axes only.
+    misalignments: Option<[f64; 2]>,
     quality: Mutex<SolveQuality>,
 }
 
 impl<'a> WatchedSolver<'a> {
-    /// Nothing solved yet.
-    pub fn new(solver: &'a ContactSolver) -> Self {
+    /// Nothing solved yet, for a pair with these `misalignments` (rad; None: parallel axes only).
+    pub fn new(solver: &'a ContactSolver, misalignments: Option<[f64; 2]>) -> Self {
         WatchedSolver {
             solver,
+            misalignments,
             quality: Mutex::default(),
         }
     }
@@ -98,7 +103,7 @@ impl StaticSource for WatchedSolver<'_> {
             problem: self.solver.position(flank, p, c)?,
             warm: None,
             top: None,
-            quality: Some(&self.quality),
+            watched: Some(self),
         }))
     }
 }
@@ -109,7 +114,7 @@ impl StaticSource for ContactSolver {
             problem: self.position(flank, p, c)?,
             warm: None,
             top: None,
-            quality: None,
+            watched: None,
         }))
     }
 }
@@ -119,7 +124,7 @@ struct SolverPosition<'a> {
     problem: PositionProblem,
     warm: Option<ContactResult>,
     top: Option<ContactResult>,
-    quality: Option<&'a Mutex<SolveQuality>>,
+    watched: Option<&'a WatchedSolver<'a>>,
 }
 
 impl StaticPosition for SolverPosition<'_> {
@@ -129,16 +134,25 @@ impl StaticPosition for SolverPosition<'_> {
 
     fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
         let problem = &self.problem;
+        let warm = match prescribed {
+            Prescribed::Torque(_) => self.top.as_ref(),
+            Prescribed::Approach(_) => self.warm.as_ref(),
+        };
+        let range = self.watched.and_then(|watched| watched.misalignments);
         let result = match prescribed {
-            Prescribed::Torque(torque) => {
-                let top = problem.solve_torque(torque, misalignment, self.top.as_ref())?;
-                self.top.insert(top).clone()
+            _ if range.is_some_and(|range| is_beyond(range, misalignment)) => {
+                problem.solve_beyond(prescribed, misalignment, warm)?
             }
+            Prescribed::Torque(torque) => problem.solve_torque(torque, misalignment, warm)?,
             Prescribed::Approach(approach) => {
-                problem.solve_approach(approach, misalignment, self.warm.as_ref())?
+                problem.solve_approach(approach, misalignment, warm)?
             }
         };
-        if let Some(quality) = self.quality {
+        if let Prescribed::Torque(_) = prescribed {
+            self.top = Some(result.clone());
+        }
+        if let Some(watched) = self.watched {
+            let quality = &watched.quality;
             let mut sum = quality.lock().unwrap_or_else(PoisonError::into_inner);
             sum.solves += 1;
             sum.most_iterations = sum.most_iterations.max(result.iterations);

@@ -185,8 +185,8 @@ pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
         "mean_ste_loa_um", ["mean STE", "um", 4] => 1e6 * c.cycle.mean_ste();
         "peak_to_peak_ste_loa_um", ["p-p STE", "um", 4] => 1e6 * c.cycle.peak_to_peak_ste();
         "", ["1st harm.", "um", 4] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
-        "maximum_pressure_mpa", ["p_max", "MPa", 1] => 1e-6 * c.cycle.max_pressure();
-        "edge_line_load_n_per_mm", ["tip edge", "N/mm", 1] => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "cycle_maximum_pressure_mpa", ["p_max", "MPa", 1] => 1e-6 * c.cycle.max_pressure();
+        "cycle_edge_line_load_n_per_mm", ["tip edge", "N/mm", 1] => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
         "face_load_factor", ["K_Hbeta", "", 3] => c.face_load.face_load_factor();
         "mean_mesh_stiffness_loa_n_per_m", ["stiffness", "N/m", 4] => c.cycle.mean_stiffness();
         "", ["per width", "N/(mm um)", 3] => 1e-9 * c.cycle.mean_stiffness() / width;
@@ -223,8 +223,8 @@ pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     let g = solver.geometry();
     let center_distance = |input: &CycleInput| g.center_distance + input.center_distance_offset;
     columns! { |c: &Row|
-        "edge_gear", ["tip edge of gear", "", None] => c.cycle.edge_load().map(|edge| edge.gear + 1);
-        "edge_z_mm", ["tip edge at z", "mm", 2] => c.cycle.edge_load().map(|edge| 1e3 * edge.z);
+        "cycle_edge_gear", ["tip edge of gear", "", None] => c.cycle.edge_load().map(|edge| edge.gear + 1);
+        "cycle_edge_z_mm", ["tip edge at z", "mm", 2] => c.cycle.edge_load().map(|edge| 1e3 * edge.z);
         "transverse_contact_ratio", ["transverse contact ratio", "", 4] => g.transverse_contact_ratio(center_distance(&c.input));
         "overlap_ratio", ["overlap ratio", "", 4] => g.overlap_ratio();
         "bent_teeth_mean_ste_percent", ["mean STE by the bend of the teeth", "%", 2] => 100.0 * c.cycle.share_of_bent_teeth()[0];

@@ -90,9 +90,13 @@ fn named<'c, T>(columns: &'c [Column<T>]) -> impl Iterator<Item = &'c Column<'c,
 pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec<Vec<String>> {
     let heads = in_text(columns).map(|column| column.head.clone()).collect();
     let units = in_text(columns).map(|column| column.unit.into()).collect();
-    let cells = |row| in_text(columns).map(|c| c.in_words(&row)).collect();
     let lines = [heads, units].into_iter();
-    lines.chain(rows.into_iter().map(cells)).collect()
+    lines
+        .chain(
+            rows.into_iter()
+                .map(|row| in_text(columns).map(|c| c.in_words(&row)).collect()),
+        )
+        .collect()
 }
 
 pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
@@ -105,8 +109,11 @@ pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Str
         format!("{}\n", cells.collect::<Vec<_>>().join(" ").trim_end())
     };
     // The line of units is left out where there are none.
-    let is_filled = |line: &&Vec<String>| line.iter().any(|cell| !cell.is_empty());
-    lines.iter().filter(is_filled).map(in_words).collect()
+    lines
+        .iter()
+        .filter(|line| line.iter().any(|cell| !cell.is_empty()))
+        .map(in_words)
+        .collect()
 }
 
 pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {
@@ -117,17 +124,19 @@ pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {
 }
 
 pub fn object<T>(columns: &[Column<T>], row: &T) -> Map<String, Value> {
-    let value = |c: &Column<T>| (c.name.clone(), (c.value)(row));
-    named(columns).map(value).collect()
+    named(columns)
+        .map(|c| (c.name.clone(), (c.value)(row)))
+        .collect()
 }
 
 /// A JSON object with a list over `rows` for every column.
 pub fn lists<T>(columns: &[Column<T>], rows: &[T]) -> Map<String, Value> {
-    let list = |column: &Column<T>| {
-        let values = rows.iter().map(|row| (column.value)(row));
-        (column.name.clone(), values.collect())
-    };
-    named(columns).map(list).collect()
+    named(columns)
+        .map(|column| {
+            let values = rows.iter().map(|row| (column.value)(row));
+            (column.name.clone(), values.collect())
+        })
+        .collect()
 }
 
 /// A CSV file: a line for each of the `rows` of every group, after the `keys` of that group.
@@ -173,13 +182,18 @@ impl Listing {
 
     /// As JSON, value by name.
     pub fn object(&self) -> Map<String, Value> {
-        let row = |(name, value): &(String, String)| (name.clone(), Value::from(value.as_str()));
-        self.rows.iter().map(row).collect()
+        self.rows
+            .iter()
+            .map(|(name, value)| (name.clone(), Value::from(value.as_str())))
+            .collect()
     }
 
     pub fn joined(&self, rows: &str, columns: &str) -> String {
-        let row = |(name, value): &(String, String)| format!("{name}{columns}{value}");
-        self.rows.iter().map(row).collect::<Vec<_>>().join(rows)
+        self.rows
+            .iter()
+            .map(|(name, value)| format!("{name}{columns}{value}"))
+            .collect::<Vec<_>>()
+            .join(rows)
     }
 }
 

@@ -31,15 +31,16 @@ pub fn check<T: PartialOrd + Display>(
     value: Option<T>,
     range: &RangeInclusive<T>,
 ) -> Result<T, String> {
-    let refusal = || format!("give a value from {} to {}", range.start(), range.end());
     let within = value.filter(|value| range.contains(value));
-    within.ok_or_else(refusal)
+    within.ok_or_else(|| format!("give a value from {} to {}", range.start(), range.end()))
 }
 
 pub fn finite(text: &str) -> Result<f64, String> {
     let value = text.trim().parse().unwrap_or(f64::NAN);
-    let refusal = || "give a finite number".to_owned();
-    value.is_finite().then_some(value).ok_or_else(refusal)
+    value
+        .is_finite()
+        .then_some(value)
+        .ok_or_else(|| "give a finite number".to_owned())
 }
 
 /// A parser of torques, N m, that a pair file may cover.

@@ -79,8 +79,7 @@ pub fn at_build(pair: &Pair, rows: &mut Listing) {
 fn thinning(pair: &Pair) -> String {
     let g = &pair.geometry;
     let cos_phi = g.operating_pressure_angle(g.center_distance).cos();
-    let thinned = |i: usize| fixed(g.gears[i].tooth_thinning / cos_phi * 1e6, 1);
-    let by = match [0, 1].map(thinned) {
+    let by = match [0, 1].map(|i| fixed(g.gears[i].tooth_thinning / cos_phi * 1e6, 1)) {
         [first, second] if first == second => format!("each thinned by {first} um"),
         [first, second] => format!("thinned by {first} um on gear 1 and {second} um on gear 2,"),
     };

@@ -94,8 +94,9 @@ pub struct RunUpCommand {
 /// A moment of inertia, kg m².
 fn inertia(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().unwrap_or(f64::NAN);
-    let refusal = || "give a number > 0, or inf for a gear that turns as imposed".to_owned();
-    (value > 0.0).then_some(value).ok_or_else(refusal)
+    (value > 0.0)
+        .then_some(value)
+        .ok_or_else(|| "give a number > 0, or inf for a gear that turns as imposed".to_owned())
 }
 
 /// How the bearings in the pair file at `path` share the loads on gears that are those of `geometry`.
@@ -222,8 +223,9 @@ impl BearingForces {
     }
 
     fn json(&self) -> Value {
-        let way = |[force, speed]: [f64; 2]| json!({ "largest_radial_force_n": force, "largest_rpm": speed });
-        let [up, down] = self.largest.map(way);
+        let [up, down] = self
+            .largest
+            .map(|[force, speed]| json!({ "largest_radial_force_n": force, "largest_rpm": speed }));
         json!({ "gear": self.gear + 1, "bearing": self.bearing + 1, "mean_radial_force_n": self.mean, "up": up, "down": down })
     }
 }
@@ -509,8 +511,10 @@ impl<'a> Summary<'a> {
         let speeds: Vec<f64> = spectra.iter().map(|(speed, _)| speed / RPM).collect();
         let khz: Vec<f64> = frequencies.iter().map(|f| 1e-3 * f).collect();
         let values = (0..FREQUENCIES).flat_map(|k| {
-            let above = move |row: &(f64, Vec<f64>)| (level(row.1[k]) - least).max(0.0);
-            spectra.iter().map(above).collect::<Vec<_>>()
+            spectra
+                .iter()
+                .map(move |row| (level(row.1[k]) - least).max(0.0))
+                .collect::<Vec<_>>()
         });
         let map = Map::on_nodes([&speeds, &khz], values, DEPTH);
         let label = format!("dB re {:.2e} rad/s2", 10f64.powf(least / 20.0));
@@ -544,8 +548,10 @@ fn orders(name: &str, history: &History, teeth: u32) -> Figure {
     let curve = |k: usize| {
         let order = f64::from(teeth) * k as f64;
         let found = history.order(moving(history), order, 1.0).into_iter();
-        let level = |(speed, amplitude): (f64, f64)| (speed / RPM, 20.0 * amplitude.log10());
-        Curve::new(format!("order {order}"), found.map(level))
+        Curve::new(
+            format!("order {order}"),
+            found.map(|(speed, amplitude)| (speed / RPM, 20.0 * amplitude.log10())),
+        )
     };
     let curves = (1..=HARMONICS).map(curve).collect();
     charts! { format!("Orders in the {name}"), [SPEED, "acceleration (dB re 1 rad/s2)"], Height::Curves(1.0) => curves; }.remove(0)

@@ -87,6 +87,8 @@ class MeshCycle:
         Of the flanks.
     edge_line_load_n_per_mm, edge_z_mm, edge_gear : (n,)
         Largest line load at a tip edge (0 without contact there), its place, and whose edge it is.
+    cycle_maximum_pressure_mpa, cycle_edge_line_load_n_per_mm, cycle_edge_z_mm, cycle_edge_gear : scalars
+        The same over the mesh cycle; place and gear are None where no edge bears.
     tooth_pairs, load_share : (p,), (n, p)
         Numbers of the tooth pairs and their shares of the force.
     face_z_mm, face_load_n_per_mm, face_load_factor : (s,), (s,) and scalar
@@ -131,6 +133,10 @@ class MeshCycle:
     edge_line_load_n_per_mm: Array
     edge_z_mm: Array
     edge_gear: Array
+    cycle_maximum_pressure_mpa: float
+    cycle_edge_line_load_n_per_mm: float
+    cycle_edge_z_mm: float | None
+    cycle_edge_gear: int | None
     tooth_pairs: Array
     load_share: Array
     face_z_mm: Array

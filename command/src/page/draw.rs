@@ -81,8 +81,9 @@ fn axes(chart: &mut Chart, labels: [&str; 2], count: usize, grid: f64) -> Result
 }
 
 fn ends(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let wider = |ends: Range<f64>, v: f64| ends.start.min(v)..ends.end.max(v);
-    let found = values.fold(f64::INFINITY..f64::NEG_INFINITY, wider);
+    let found = values.fold(f64::INFINITY..f64::NEG_INFINITY, |ends, v| {
+        ends.start.min(v)..ends.end.max(v)
+    });
     match found.start < found.end {
         true => found,
         // Nothing, or one value: still an axis.
@@ -131,8 +132,11 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
         ];
         [x, y] = to_scale([x, y], pixels.map(f64::from));
     }
-    let is_own = |c: &&Curve| !matches!(c.style, Style::Dashed(_));
-    let own = curves.iter().filter(is_own).count().max(1);
+    let own = curves
+        .iter()
+        .filter(|c| !matches!(c.style, Style::Dashed(_)))
+        .count()
+        .max(1);
     let colour = |i: usize| match own > CURVES.len() {
         true => shade(0.2 + 0.8 * (i % own) as f64 / own as f64),
         false => CURVES[i % own],

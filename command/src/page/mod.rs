@@ -185,8 +185,12 @@ impl Map {
         let cells = y.iter().flat_map(|y| x.iter().map(move |x| [*x, *y]));
         let patch = |(ends, value)| Patch::new(ends, Some(value));
         let patches: Vec<Patch> = cells.zip(values).map(patch).collect();
-        let wider = |[low, high]: [f64; 2], end: f64| [low.min(end), high.max(end)];
-        let ends = axes.map(|cells| cells.into_iter().flatten().fold(NOTHING, wider));
+        let ends = axes.map(|cells| {
+            cells
+                .into_iter()
+                .flatten()
+                .fold(NOTHING, |[low, high], end| [low.min(end), high.max(end)])
+        });
         let top = patches.iter().filter_map(|p| p.value).fold(top, f64::max);
         Map {
             ends,

@@ -139,11 +139,14 @@ fn outline(geometry: &PairGeometry, i: usize) -> Option<Vec<(f64, f64)>> {
         low.chain(high).collect::<Vec<_>>()
     };
     let points = (-TEETH..=TEETH).flat_map(tooth);
-    let at = |(r, angle): (f64, f64)| {
-        let x = side * (r * angle.cos() - pitch_radius);
-        (1e3 * x, 1e3 * r * angle.sin())
-    };
-    Some(points.map(at).collect())
+    Some(
+        points
+            .map(|(r, angle)| {
+                let x = side * (r * angle.cos() - pitch_radius);
+                (1e3 * x, 1e3 * r * angle.sin())
+            })
+            .collect(),
+    )
 }
 
 pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
@@ -198,11 +201,12 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
         let values = cases.iter().map(|case| scale(1e6 * value(case)));
         Curve::new(label, x.iter().copied().zip(values))
     };
-    let harmonic = |h: usize| {
-        let amplitude = |c: &Case| c.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| h.amplitude);
-        curve(format!("order {}", h * teeth), &amplitude)
-    };
-    let mut curves: Vec<Curve> = (1..=HARMONICS).map(harmonic).collect();
+    let mut curves: Vec<Curve> = (1..=HARMONICS)
+        .map(|h| {
+            let amplitude = |c: &Case| c.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| h.amplitude);
+            curve(format!("order {}", h * teeth), &amplitude)
+        })
+        .collect();
     let swing = |case: &Case| case.cycle.peak_to_peak_ste();
     curves.extend((!in_db).then(|| curve("peak to peak".into(), &swing)));
     curves
@@ -321,8 +325,7 @@ fn patterns(
     let patches = maps.iter().flat_map(|(.., patches)| patches);
     let top = patches.filter_map(|p| p.value).fold(1.0, f64::max);
     let labels = ["z (mm)", "diameter (mm)", unit];
-    let figure = |(title, ends, end_names, patches)| charts! { title, labels => Map { ends, end_names, patches, top }; };
-    maps.into_iter().flat_map(figure).collect()
+    maps.into_iter().flat_map(|(title, ends, end_names, patches)| charts! { title, labels => Map { ends, end_names, patches, top }; }).collect()
 }
 
 /// Title and unit of the maps of pressure.
@@ -338,8 +341,9 @@ pub fn contact_patterns(
     cases: &[Case],
     load: impl Fn(&Case) -> String,
 ) -> Vec<Figure> {
-    let pressure = |s: &SegmentLoad| s.edge.is_none().then_some(1e-6 * s.pressure);
-    patterns(geometry, cases, PATTERN, load, pressure)
+    patterns(geometry, cases, PATTERN, load, |s| {
+        s.edge.is_none().then_some(1e-6 * s.pressure)
+    })
 }
 
 /// What the flanks carry: `cases` aligned at other torques than the nominal one, `tilted` at the limits of the misalignment, `nominal` for load distribution and contact
@@ -387,15 +391,15 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
 /// Pressure inside the flanks along z for every tooth pair in contact at the position of the cycle nearest below `tau`.
 fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
     let i = (tau * case.input.positions as f64) as usize;
-    let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
     let segments: Vec<&SegmentLoad> = case.cycle.results[i]
         .segments
         .iter()
-        .filter(inside)
+        .filter(|s| s.edge.is_none() && s.pressure > VISIBLE * 1e6)
         .collect();
     let curve = |segments: &[&SegmentLoad]| {
-        let point = |s: &&SegmentLoad| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6);
-        let points = segments.iter().map(point);
+        let points = segments
+            .iter()
+            .map(|s| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6));
         Curve::new(format!("pair {}", segments[0].tooth_pair), points)
     };
     let pairs = segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair);
@@ -416,11 +420,13 @@ pub fn modifications(pair: &Pair) -> Section {
             let curve = |(flank, name)| {
                 let m = &pair.microgeometry.flank(flank)[i];
                 let along = evenly(ends[0], ends[1], TRACE_POINTS).into_iter();
-                let point = |s| {
-                    let [roll, z] = coordinates(s);
-                    (1e3 * s, -1e6 * m.removal(gear, roll, z))
-                };
-                Curve::new(name, along.map(point))
+                Curve::new(
+                    name,
+                    along.map(|s| {
+                        let [roll, z] = coordinates(s);
+                        (1e3 * s, -1e6 * m.removal(gear, roll, z))
+                    }),
+                )
             };
             let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
             let [drive, coast] = flanks.map(curve);
@@ -467,8 +473,8 @@ pub fn roots(cases: &[Case], nominal: f64) -> Section {
         let z: Vec<f64> = rows.iter().map(|row| 1e3 * row[0].z).collect();
         let tangents = rows[0].iter().map(|point| point.tangent.to_degrees());
         let tangents: Vec<f64> = tangents.collect();
-        let along_face = |k: usize| rows.iter().map(move |row| 1e-6 * row[k].stress);
-        let values = (0..tangents.len()).flat_map(along_face);
+        let values =
+            (0..tangents.len()).flat_map(|k| rows.iter().map(move |row| 1e-6 * row[k].stress));
         let map = Map::on_nodes([&z, &tangents], values, 1e-6 * largest.largest.stress);
         // The outermost nodes lie on the faces.
         let map = map.cut(z[0], z[z.len() - 1]);

@@ -193,11 +193,17 @@ fn deflections(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
 
 fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
     let curves = |value: &dyn Fn(&Case, &ShaftState) -> f64| -> Vec<Curve> {
-        let curve = |(name, cases, _): &Solved| {
-            let point = |case: &Case| Some((case.load.torque, value(case, case.shafts.as_ref()?)));
-            Curve::new(*name, cases.iter().filter_map(point))
-        };
-        solved.iter().map(curve).collect()
+        solved
+            .iter()
+            .map(|(name, cases, _)| {
+                Curve::new(
+                    *name,
+                    cases.iter().filter_map(|case| {
+                        Some((case.load.torque, value(case, case.shafts.as_ref()?)))
+                    }),
+                )
+            })
+            .collect()
     };
     let mut radial = [vec![], vec![]];
     for (i, shaft) in pair.shafts.iter().enumerate() {

@@ -315,11 +315,13 @@ fn all_notes(solved: &Solved) -> String {
             }
         }
     }
-    let line = |(note, loads): (String, Vec<String>)| match loads.len() < solved.cases.len() {
-        true => format!("\nnote: {note} ({})\n", loads.join("; ")),
-        false => format!("\nnote: {note}\n"),
-    };
-    about.into_iter().map(line).collect()
+    about
+        .into_iter()
+        .map(|(note, loads)| match loads.len() < solved.cases.len() {
+            true => format!("\nnote: {note} ({})\n", loads.join("; ")),
+            false => format!("\nnote: {note}\n"),
+        })
+        .collect()
 }
 
 /// How far the results of `solved` are from those of the `other` refinement, at the load where they differ most.

@@ -63,8 +63,9 @@ pub fn write(folder: &Path, solver: &ContactSolver, pair: &Pair, cases: &[Case])
         names.extend(ROOT_NAMES);
     }
     if cases.iter().any(|case| case.shafts.is_some()) {
-        let bears = |case: &Case| (case.shafts.as_ref()).map_or(vec![], |s| bearings(pair, s));
-        tables.push(csv(&load(), &bearing_columns(), cases, bears)?);
+        tables.push(csv(&load(), &bearing_columns(), cases, |case| {
+            (case.shafts.as_ref()).map_or(vec![], |s| bearings(pair, s))
+        })?);
         tables.push(csv(&load(), &axis_columns(), cases, axes)?);
         tables.push(csv(&load(), &closing_columns(), cases, closings)?);
         names.extend(SHAFT_NAMES);
@@ -89,7 +90,6 @@ pub fn json(
     json.extend(object(&summary(solver), &case));
     json.extend(object(&on_shafts(Some(case)), &case));
     json.extend(object(&details(solver), &case));
-    // Of what has both, a list over the positions stands here, not the value of the cycle.
     let rows: Vec<At> = at_positions(case).collect();
     json.extend(lists(&positions(&[]), &rows));
     let mut more = |name: &str, value: Value| json.insert(name.into(), value);
@@ -121,8 +121,9 @@ pub fn json(
     if let Some(gears) = &case.roots {
         let positions = cycle.results.len();
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
-            let stress = |tooth: &ToothRoot| Some(1e-6 * stress(tooth)?);
-            let [one, two] = gears.each_ref().map(|g| g.over_cycle(positions, stress));
+            let [one, two] = gears
+                .each_ref()
+                .map(|g| g.over_cycle(positions, |tooth| Some(1e-6 * stress(tooth)?)));
             json!([one, two])
         };
         more("root_stress_mpa", over_cycle(|t| Some(t.largest.stress)));

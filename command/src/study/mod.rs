@@ -148,8 +148,9 @@ impl Study {
         let range = |field: &str, unit: f64| {
             let varied = setup.plan.all().filter(|v| v.fields().any(|f| f == field));
             let ends = varied.map(|v| [v.low, v.high].map(|end| end * unit));
-            let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
-            ends.fold([0.0; 2], wider)
+            ends.fold([0.0; 2], |[low, high]: [f64; 2], [a, b]| {
+                [low.min(a), high.max(b)]
+            })
         };
         let tilts = range("misalignment_mrad", 1e-3);
         let offsets = range("center_distance_offset_um", 1e-6);

@@ -204,11 +204,13 @@ impl Setup {
             &loads,
             &|_| (),
         )?;
-        let values = |case: &Case| {
-            let values = self.outcomes.iter().map(|outcome| outcome.number(case));
-            values.map(|v| v.map_or(f64::NAN, rounded)).collect()
-        };
-        Ok(cases.iter().map(values).collect())
+        Ok(cases
+            .iter()
+            .map(|case| {
+                let values = self.outcomes.iter().map(|outcome| outcome.number(case));
+                values.map(|v| v.map_or(f64::NAN, rounded)).collect()
+            })
+            .collect())
     }
 
     /// Elastic models for one sample, whose teeth are those of `pair`.
@@ -342,8 +344,9 @@ impl Setup {
     }
 
     pub fn write(&self, path: &Path, samples: &[Sample]) -> Result<()> {
-        let rows = |sample| (0..self.torques.len()).map(move |t| (t, sample));
-        let table = csv(&[], &self.columns(), samples, rows)?;
+        let table = csv(&[], &self.columns(), samples, |sample| {
+            (0..self.torques.len()).map(move |t| (t, sample))
+        })?;
         output::write_whole(path, &table)
     }
 
@@ -420,8 +423,10 @@ impl Setup {
             }
         }
         let torques = self.torques.len();
-        let is_short = |s: &&Sample| s.outcome.as_ref().is_ok_and(|all| all.len() < torques);
-        if let Some(s) = samples.iter().find(is_short) {
+        if let Some(s) = samples
+            .iter()
+            .find(|s| s.outcome.as_ref().is_ok_and(|all| all.len() < torques))
+        {
             let (point, sample) = (s.point, s.number);
             return Err(wrong(&format!(
                 "sample {sample} of point {point} has fewer rows than the {torques} torques"
@@ -433,22 +438,22 @@ impl Setup {
 
     /// The points that have a measure and meet all requirements, best first.
     pub fn ranking(&self, done: &[Sample]) -> Vec<(usize, f64)> {
-        let measured = |point| {
-            let value = self.measure.of(done, point)?;
-            self.missed(done, point).is_none().then_some((point, value))
-        };
-        let mut all: Vec<_> = (1..=self.plan.points()).filter_map(measured).collect();
+        let mut all: Vec<_> = (1..=self.plan.points())
+            .filter_map(|point| {
+                let value = self.measure.of(done, point)?;
+                self.missed(done, point).is_none().then_some((point, value))
+            })
+            .collect();
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         all
     }
 
     /// The solved point that misses the requirements by least.
     pub fn nearest(&self, done: &[Sample]) -> Option<Nearest> {
-        let missed = |point| {
+        let points = (1..=self.plan.points()).filter_map(|point| {
             self.measure.of(done, point)?;
             Some((point, self.missed(done, point)?))
-        };
-        let points = (1..=self.plan.points()).filter_map(missed);
+        });
         let (point, _) = points.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let counting = || self.measure.counting(done, point);
         let violated = self.requirements.iter();

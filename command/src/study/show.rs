@@ -266,12 +266,12 @@ impl Summary<'_> {
         };
         let mut figures = Vec::new();
         for (k, axis) in plan.axes.iter().enumerate() {
-            let best = |(i, x): (usize, f64)| {
-                let is_own = |(point, _): &&(usize, f64)| plan.indices(*point)[k] == i;
-                let best = ranking.iter().find(is_own);
+            let points = nodes(axis).into_iter().enumerate().map(|(i, x)| {
+                let best = ranking
+                    .iter()
+                    .find(|(point, _)| plan.indices(*point)[k] == i);
                 (x, best.map_or(f64::NAN, |best| best.1))
-            };
-            let points = nodes(axis).into_iter().enumerate().map(best);
+            });
             figures.extend(charts! {
                 format!("Measure over {}", axis.label()), [&axis.label(), name], Height::FromZero(0.0)
                     => vec![Curve::new("best", points)];
@@ -279,11 +279,14 @@ impl Summary<'_> {
         }
         if let [x, y] = &plan.axes[..] {
             let points = 1..=plan.points();
-            let value = |p: usize| {
-                let own = ranking.iter().find(|(point, _)| *point == p);
-                own.map_or(f64::NAN, |own| own.1)
-            };
-            let map = Map::on_nodes([&nodes(x), &nodes(y)], points.map(value), 0.0);
+            let map = Map::on_nodes(
+                [&nodes(x), &nodes(y)],
+                points.map(|p| {
+                    let own = ranking.iter().find(|(point, _)| *point == p);
+                    own.map_or(f64::NAN, |own| own.1)
+                }),
+                0.0,
+            );
             figures.extend(charts! {
                 "Measure over both; blue: refused or violates a requirement", [&x.label(), &y.label(), name] => map;
             });
@@ -390,8 +393,10 @@ fn bands(statistics: &[Statistics]) -> Section {
                 0 => "as drawn",
                 _ => "best",
             };
-            let is_own = |s: &&Statistics| s.point == *point && s.result == outcome.name;
-            let mut own: Vec<&Statistics> = statistics.iter().filter(is_own).collect();
+            let mut own: Vec<&Statistics> = statistics
+                .iter()
+                .filter(|s| s.point == *point && s.result == outcome.name)
+                .collect();
             own.sort_by(|a, b| a.torque_nm.total_cmp(&b.torque_nm));
             let points =
                 |value: fn(&Statistics) -> f64| own.iter().map(move |s| (s.torque_nm, value(s)));

@@ -87,11 +87,15 @@ impl Statistics {
             sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
         };
         let correlations = |change: fn(f64, f64) -> f64| {
-            let of_field = |(k, drawn): (usize, &f64)| {
-                let changes = samples.iter().map(|s| change(s.fields[k], *drawn));
-                correlation(&changes.collect::<Vec<_>>(), &values)
-            };
-            drawn.fields.iter().enumerate().map(of_field).collect()
+            drawn
+                .fields
+                .iter()
+                .enumerate()
+                .map(|(k, drawn)| {
+                    let changes = samples.iter().map(|s| change(s.fields[k], *drawn));
+                    correlation(&changes.collect::<Vec<_>>(), &values)
+                })
+                .collect()
         };
         Statistics {
             point: drawn.point,
@@ -121,12 +125,11 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let deviations = |values: &[f64]| -> Vec<f64> {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let [a, b] = [a, b].map(|values| -> Vec<f64> {
         let mean = mean(values);
         values.iter().map(|value| value - mean).collect()
-    };
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let [a, b] = [a, b].map(deviations);
+    });
     let scale = (product(&a, &a) * product(&b, &b)).sqrt();
     match scale > 0.0 {
         true => product(&a, &b) / scale,
@@ -182,13 +185,14 @@ impl Required {
         let (name, rest) = text.split_at(at);
         let limit = rest[1..].strip_prefix('=');
         let name = name.trim();
-        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        (!name.is_empty() && name.chars().all(is_name)).then_some(Required {
-            name: name.into(),
-            is_most: rest.starts_with('<'),
-            with_limit: limit.is_some(),
-            limit: limits::finite(limit.unwrap_or(&rest[1..])).ok()?,
-        })
+        (!name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')).then_some(
+            Required {
+                name: name.into(),
+                is_most: rest.starts_with('<'),
+                with_limit: limit.is_some(),
+                limit: limits::finite(limit.unwrap_or(&rest[1..])).ok()?,
+            },
+        )
     }
 }
 

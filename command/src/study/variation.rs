@@ -246,8 +246,10 @@ impl Plan {
             false => &mut self.axes,
             true => &mut self.drawn,
         };
-        let is_known = |field: &&str| all.iter().any(|v| v.fields().any(|known| known == *field));
-        if let Some(twice) = variation.fields().find(is_known) {
+        if let Some(twice) = variation
+            .fields()
+            .find(|field| all.iter().any(|v| v.fields().any(|known| known == *field)))
+        {
             refuse!("`{twice}` is varied twice; leave one out");
         }
         let ends = [variation.low, variation.high];
@@ -285,13 +287,14 @@ impl Plan {
     /// Number of the value of each axis of the grid at `point`, from 1.
     pub fn indices(&self, point: usize) -> Vec<usize> {
         let mut rest = point - 1;
-        let index = |points: usize| {
-            let i = rest % points;
-            rest /= points;
-            i
-        };
         let points = self.axes.iter().filter_map(|axis| axis.points);
-        points.map(index).collect()
+        points
+            .map(|points| {
+                let i = rest % points;
+                rest /= points;
+                i
+            })
+            .collect()
     }
 
     /// The value of each axis at `point`, from 1.
@@ -305,22 +308,26 @@ impl Plan {
 
     /// The value of each axis where the fields have `values`.
     pub fn axes_of(&self, values: &[f64]) -> Vec<f64> {
-        let value = |axis: &Variation| {
-            let mut fields = self.fields.iter().zip(values);
-            let own = fields.find(|((field, _), _)| axis.fields().any(|f| f == field));
-            own.map_or(f64::NAN, |(_, value)| *value)
-        };
-        self.axes.iter().map(value).collect()
+        self.axes
+            .iter()
+            .map(|axis| {
+                let mut fields = self.fields.iter().zip(values);
+                let own = fields.find(|((field, _), _)| axis.fields().any(|f| f == field));
+                own.map_or(f64::NAN, |(_, value)| *value)
+            })
+            .collect()
     }
 
     /// Values of the fields where the axes have `values`, the rest as drawn.
     pub fn placed(&self, values: &[f64]) -> Vec<f64> {
-        let value = |(field, drawn): &(String, f64)| {
-            let mut axes = self.axes.iter().zip(values);
-            axes.find(|(axis, _)| axis.fields().any(|f| f == field))
-                .map_or(*drawn, |(_, value)| *value)
-        };
-        self.fields.iter().map(value).collect()
+        self.fields
+            .iter()
+            .map(|(field, drawn)| {
+                let mut axes = self.axes.iter().zip(values);
+                axes.find(|(axis, _)| axis.fields().any(|f| f == field))
+                    .map_or(*drawn, |(_, value)| *value)
+            })
+            .collect()
     }
 
     /// Values of the fields at `point` (0: as drawn) of sample `number` (0: the point itself), the same in every run.
@@ -351,8 +358,10 @@ fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
         x ^ (x >> 31)
     };
     let mut random = Random::new(mix(mix(seed) ^ number as u64).max(1));
-    let value = |v: &Variation| rounded(random.within([v.low, v.high]));
-    variations.iter().map(value).collect()
+    variations
+        .iter()
+        .map(|v| rounded(random.within([v.low, v.high])))
+        .collect()
 }
 
 #[cfg(test)]

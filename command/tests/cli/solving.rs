@@ -20,10 +20,21 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let ste = numbers(&json["ste_loa_um"]);
     let value = |key: &str| number(&json[key]);
     let span = largest(ste.clone()) + largest(ste.iter().map(|ste| -ste));
+    let over_positions = |key: &str| largest(numbers(&json[key]));
     let even = value("loss_factor_ohlendorf") / value("loss_factor");
     for (found, expected, within) in [
         (value("mean_ste_loa_um"), mean(&ste), 1e-9),
         (value("peak_to_peak_ste_loa_um"), span, 1e-9),
+        (
+            value("cycle_maximum_pressure_mpa"),
+            over_positions("maximum_pressure_mpa"),
+            1e-9,
+        ),
+        (
+            value("cycle_edge_line_load_n_per_mm"),
+            over_positions("edge_line_load_n_per_mm"),
+            1e-9,
+        ),
         (value("transverse_contact_ratio"), 1.540, 1e-3),
         (value("overlap_ratio"), 0.448, 1e-3),
         (value("torque_nm"), 100.0, 1e-12),

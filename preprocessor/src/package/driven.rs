@@ -122,8 +122,9 @@ pub(super) fn example_signals(resources: &Arc<Resources>) -> Result<Option<Strin
                 return Ok(None);
             }
         }
-        let is_less = |x: f64| torque(x).is_ok_and(|share| share < 1.0);
-        let behind = bisection([low, high], 50, is_less);
+        let behind = bisection([low, high], 50, |x| {
+            torque(x).is_ok_and(|share| share < 1.0)
+        });
         // Cubic step over the first cycle.
         let rise = (i as f64 / ROWS as f64).min(1.0);
         rows.push([spin1, spin2(behind * rise * rise * (3.0 - 2.0 * rise))]);

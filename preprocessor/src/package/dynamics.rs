@@ -190,12 +190,11 @@ impl Stiffness {
         let tangential = phi.cos().powi(2);
         let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| table.flank(flank).0);
         let positions = (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);
-        let tangent = |position| {
+        let sum = positions.clone().map(|position| {
             let pose = nominal_pose(position);
             let delta = drive.approach_at(force, &pose);
             drive.evaluate(&Query { delta, ..pose }, false).hessian[0][0]
-        };
-        let sum = positions.clone().map(tangent);
+        });
         let mean = sum.sum::<f64>() / POSITIONS as f64;
         let mut largest = mean;
         let coast_record = file.coast.as_ref().unwrap_or(&file.drive);

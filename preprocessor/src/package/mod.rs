@@ -85,8 +85,10 @@ pub fn pack(
         (TABLES_FILE, tables.map(String::into_bytes)),
         (CONTACT_FILE, contact),
     ];
-    let named = |(name, bytes): (&str, Option<_>)| Some((format!("resources/{name}"), bytes?));
-    let mut files: Vec<(String, Vec<u8>)> = resources.into_iter().filter_map(named).collect();
+    let mut files: Vec<(String, Vec<u8>)> = resources
+        .into_iter()
+        .filter_map(|(name, bytes)| Some((format!("resources/{name}"), bytes?)))
+        .collect();
     // The FMU starts here as it will in a host.
     let resources = Resources::new(unit, table_file.cloned(), contents.contact.cloned());
     let resources = Arc::new(resources.map_err(|reason| PackageError::starts(&reason))?);
@@ -111,11 +113,13 @@ pub fn pack(
         files.push((name, library.bytes.clone()));
     }
     let bytes = archive::write(&files, out)?;
-    let platform = |library: &Library| archive::runs_on(library.platform, &library.bytes);
     Ok(Packed {
         guid,
         bytes,
-        platforms: libraries.iter().map(platform).collect(),
+        platforms: libraries
+            .iter()
+            .map(|library| archive::runs_on(library.platform, &library.bytes))
+            .collect(),
     })
 }
 

@@ -122,8 +122,10 @@ impl Starts {
         ];
         let gear1 = index::GEAR1_ANGLES_1..=index::GEAR1_QUATERNION_4;
         let gear2 = index::GEAR2_ANGLES_1..=index::GEAR2_QUATERNION_4;
-        let turns = |s: &Setting| gear1.contains(&s.index) || gear2.contains(&s.index);
-        let is_turned = self.settings.iter().any(turns);
+        let is_turned = self
+            .settings
+            .iter()
+            .any(|s| gear1.contains(&s.index) || gear2.contains(&s.index));
         if self.value(index::PHASE_REFERENCE) == Some(ABSOLUTE) && !is_turned {
             // The teeth of gear 2 in the middle of the gaps of gear 1.
             let spin = meshing_spin(geometry);
@@ -135,8 +137,10 @@ impl Starts {
             ]);
         }
         starts.extend(self.settings.iter().map(|s| (s.index, s.value)));
-        let named = |(i, value): (usize, f64)| (VARIABLES[i].name.to_owned(), value);
-        starts.into_iter().map(named).collect()
+        starts
+            .into_iter()
+            .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
+            .collect()
     }
 }
 

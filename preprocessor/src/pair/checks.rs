@@ -1,8 +1,6 @@
 //! Refusals, and what can be said of each number of the file on its own, before any geometry is built from it.
 
-use super::file::{
-    Dimension, EndReliefFile, FlankFile, GearFile, Meshing, OperatingFile, PairFile,
-};
+use super::file::{Dimension, FlankFile, GearFile, Meshing, OperatingFile, PairFile};
 use gearmesh::words::{number, rounded};
 
 /// One value that cannot be, and what to do about it.
@@ -128,8 +126,9 @@ pub(super) fn check(
     value: impl Into<Option<f64>>,
     range: [f64; 2],
 ) -> Result<(), Refusal> {
-    let check = |value| check_with_usual(path, value, range, range);
-    value.into().map_or(Ok(()), check)
+    value
+        .into()
+        .map_or(Ok(()), |value| check_with_usual(path, value, range, range))
 }
 
 /// The same of a number that lies within `usual` in its unit.
@@ -252,8 +251,9 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
         }));
         for (prefix, flank) in file.gear(i).flanks() {
             let path = in_gear(i, prefix);
-            let note = |(field, um, _)| note(&format!("{path}{field}"), um, 0.1);
-            notes.extend(amounts(&flank).map(note));
+            notes.extend(
+                amounts(&flank).map(|(field, um, _)| note(&format!("{path}{field}"), um, 0.1)),
+            );
         }
         if let Some(errors) = &file.gear(i).tooth_errors {
             let field = in_gear(i, "tooth_errors.runout_um");
@@ -401,10 +401,10 @@ fn amounts(f: &FlankFile) -> impl Iterator<Item = (String, f64, bool)> {
     let rows = rows
         .into_iter()
         .filter_map(|(field, um, sign)| Some((field.into(), um?, sign)));
-    let end = |(field, relief): (_, &EndReliefFile)| {
-        (format!("{field}.amount_um"), relief.amount_um, false)
-    };
-    rows.chain(f.end_reliefs().map(end))
+    rows.chain(
+        f.end_reliefs()
+            .map(|(field, relief)| (format!("{field}.amount_um"), relief.amount_um, false)),
+    )
 }
 
 /// Bore or rim: which of them a gear may have says whether it is a ring.

@@ -316,11 +316,16 @@ impl ShaftFile {
     /// Diameter of the section at `z_mm`.
     pub fn diameter_at(&self, z_mm: f64) -> Option<f64> {
         let mut end = self.start_mm?;
-        let reaches = |section: &&ShaftSectionFile| {
-            end += section.length_mm;
-            z_mm <= end
-        };
-        Some(self.sections.as_ref()?.iter().find(reaches)?.diameter_mm)
+        Some(
+            self.sections
+                .as_ref()?
+                .iter()
+                .find(|section| {
+                    end += section.length_mm;
+                    z_mm <= end
+                })?
+                .diameter_mm,
+        )
     }
 }
 

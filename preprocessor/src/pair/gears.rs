@@ -78,9 +78,8 @@ fn usual_bore(g: &GearFile, gear: &Gear) -> f64 {
     let shaft = g.shaft.as_ref().filter(|shaft| !shaft.has_pieces());
     let diameter = shaft.and_then(|shaft| shaft.diameter_at(0.5 * g.face_width_mm));
     let radius = diameter.map(|mm| 0.5 * mm * MM);
-    let leaves_a_rim = |r: &f64| *r > 0.0 && *r <= root - LEAST_RIM * gear.normal_module;
     radius
-        .filter(leaves_a_rim)
+        .filter(|r| *r > 0.0 && *r <= root - LEAST_RIM * gear.normal_module)
         .unwrap_or_else(|| default_held_radius(gear))
 }
 

@@ -14,8 +14,10 @@ pub(super) fn shorten_default_ring(
     file: &PairFile,
     geometry: &mut PairGeometry,
 ) -> Result<Option<String>, Refusal> {
-    let is_default = |ring: &usize| file.gear(*ring).has_default_tip();
-    let Some(ring) = geometry.ring().filter(is_default) else {
+    let Some(ring) = geometry
+        .ring()
+        .filter(|ring| file.gear(*ring).has_default_tip())
+    else {
         return Ok(None);
     };
     let pinion = 1 - ring;

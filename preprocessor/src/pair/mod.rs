@@ -76,8 +76,8 @@ fn folder(path: &Path) -> &Path {
 /// Fills in defaults, checks, converts. Files that the file names are sought in `folder`.
 fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusals> {
     let sizes = signs::without(file)?;
-    let as_given = |refusal| signs::as_given(file, refusal);
-    resolve_sizes(&sizes, folder).map_err(|refusals| refusals.map(as_given))
+    resolve_sizes(&sizes, folder)
+        .map_err(|refusals| refusals.map(|refusal| signs::as_given(file, refusal)))
 }
 
 /// The pair of a file without the signs of ISO 21771.
@@ -94,8 +94,8 @@ fn resolve_sizes(file: &PairFile, folder: &Path) -> Result<Pair, Refusals> {
     };
     // Of gears whose own fields and those of the pair are right, what else is wrong is known, too.
     let alone = alone.map_err(|refusals| {
-        let is_sound = |i: &usize| (refusals.all().iter()).all(|r| concerns_others(*i, &r.field));
-        let sound = (0..2).filter(is_sound);
+        let sound =
+            (0..2).filter(|i| (refusals.all().iter()).all(|r| concerns_others(*i, &r.field)));
         let profiles = sound.map(|i| check_profile(file, &gear_alone(file, i, helix)?.0, i));
         let more = every(profiles).err();
         more.into_iter().fold(refusals, Refusals::and)
@@ -284,8 +284,10 @@ fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusals> {
         checks::check("friction.roughness_ra_um", ra, [0.01, 20.0])?;
     }
     if file.law == FrictionLawFile::Constant {
-        let constant = |coefficient| FrictionLaw::Constant { coefficient };
-        return Ok(file.coefficient.map(constant).unwrap_or_default());
+        return Ok(file
+            .coefficient
+            .map(|coefficient| FrictionLaw::Constant { coefficient })
+            .unwrap_or_default());
     }
     let missing = |name: &str, remedy: &str| {
         refusal!(format!("friction.{name}") => "none";
@@ -332,8 +334,9 @@ impl PairDraft {
 
     /// The number at `field`, such as `gear1.tip_relief.amount_um`; the middle of limits; None where there is none.
     pub fn number(&self, field: &str) -> Option<f64> {
-        let middle = || self.limits(field).map(|[low, high]| 0.5 * (low + high));
-        self.value(field)?.as_f64().or_else(middle)
+        self.value(field)?
+            .as_f64()
+            .or_else(|| self.limits(field).map(|[low, high]| 0.5 * (low + high)))
     }
 
     /// The limits at `field`; None where there are none.

@@ -45,8 +45,11 @@ pub struct Misformed {
 
 /// Each of `fields` on a line of its own.
 fn in_lines(fields: &[Misformed]) -> String {
-    let line = |of: &Misformed| format!("pair file, at `{}`: {}", of.field, of.message);
-    fields.iter().map(line).collect::<Vec<_>>().join("\n")
+    fields
+        .iter()
+        .map(|of| format!("pair file, at `{}`: {}", of.field, of.message))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// Most fields of another form in one message.
@@ -202,17 +205,20 @@ fn with_another_value(
 
 /// The steps of `path` into the fields.
 fn pointer(path: &Path) -> Vec<String> {
-    let step = |segment: &Segment| match segment {
-        Segment::Map { key } => Some(key.clone()),
-        Segment::Seq { index } => Some(index.to_string()),
-        Segment::Enum { .. } | Segment::Unknown => None,
-    };
-    path.iter().filter_map(step).collect()
+    path.iter()
+        .filter_map(|segment| match segment {
+            Segment::Map { key } => Some(key.clone()),
+            Segment::Seq { index } => Some(index.to_string()),
+            Segment::Enum { .. } | Segment::Unknown => None,
+        })
+        .collect()
 }
 
 fn joined(steps: &[String]) -> String {
-    let escaped = |step: &String| format!("/{}", step.replace('~', "~0").replace('/', "~1"));
-    steps.iter().map(escaped).collect()
+    steps
+        .iter()
+        .map(|step| format!("/{}", step.replace('~', "~0").replace('/', "~1")))
+        .collect()
 }
 
 /// Line of `plain` on which the last name of `path` stands that is found after the names before it.
@@ -333,8 +339,11 @@ fn unknown_name(given: &str, known: &[&str], what: &str) -> String {
     let name = shown(&given.chars().take(60).collect::<String>());
     let meant = nearest(given, known).map(|meant| format!("did you mean `{meant}`?"));
     // Names of older files begin with a capital.
-    let is_current = |name: &&&str| name.starts_with(char::is_lowercase);
-    let known: Vec<&str> = known.iter().filter(is_current).copied().collect();
+    let known: Vec<&str> = known
+        .iter()
+        .filter(|name| name.starts_with(char::is_lowercase))
+        .copied()
+        .collect();
     let hint = meant.unwrap_or_else(|| format!("there are `{}`", known.join("`, `")));
     format!("there is no {what} `{name}` here; {hint}")
 }

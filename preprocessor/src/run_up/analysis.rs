@@ -88,8 +88,13 @@ impl History {
             .take_while(|start| start + count <= self.time.len())
             .map(|start| {
                 let (speed, rows) = self.window(start..start + count);
-                let at = |f: &f64| amplitude(signal, &rows, |i| TAU * f * self.time[i]);
-                (speed, frequencies.iter().map(at).collect())
+                (
+                    speed,
+                    frequencies
+                        .iter()
+                        .map(|f| amplitude(signal, &rows, |i| TAU * f * self.time[i]))
+                        .collect(),
+                )
             })
             .collect()
     }

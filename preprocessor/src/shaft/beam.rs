@@ -412,12 +412,11 @@ fn shoulders(shaft: &Shaft) -> Vec<Shoulder> {
 fn nodes(shaft: &Shaft, places: impl Iterator<Item = f64>) -> Vec<f64> {
     let ends = shaft.section_ends();
     let (low, high) = (ends[0], ends[ends.len() - 1]);
-    let inside = |z: &f64| (low..=high).contains(z);
     let mut all: Vec<f64> = (shaft.bearings.iter().map(|b| b.z))
         .chain(ends)
         .chain(shaft.seat)
         .chain(places)
-        .filter(inside)
+        .filter(|z| (low..=high).contains(z))
         .collect();
     all.sort_by(f64::total_cmp);
     all.dedup_by(|b, a| *b - *a < SAME_PLACE);

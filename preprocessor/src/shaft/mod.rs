@@ -293,11 +293,10 @@ impl Shafts {
         if all == 0.0 {
             return residual;
         }
-        let spring = |i: usize, j: usize| {
+        let springs = DMatrix::from_fn(STATIONS, STATIONS, |i, j| {
             let own = if i == j { bearing[i] } else { 0.0 };
             stiffness / all * (own - bearing[i] * bearing[j] / all)
-        };
-        let springs = DMatrix::from_fn(STATIONS, STATIONS, spring);
+        });
         let mut jacobian = &self.flexibility * springs;
         // Closings count from mid-face.
         let there = jacobian.row(STATIONS / 2).into_owned();

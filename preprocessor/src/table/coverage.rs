@@ -48,7 +48,7 @@ pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> 
 
 /// Nodes over `range`, graded so that the closest are at most `apart` from each other, or by 12 at most: then the largest
 /// of 33 are twice as far from 0 as their neighbours.
-pub(super) fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
+fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
     let mut gradings = (1..=24).map(|half| graded(range, n, 0.5 * f64::from(half)));
     let found = gradings.find(|nodes| closest(nodes) <= apart);
     found.unwrap_or_else(|| graded(range, n, 12.0))
@@ -149,10 +149,17 @@ pub fn misalignments(coverage: &Coverage, tilt: f64) -> Vec<f64> {
 pub(super) fn inside(coverage: &Coverage, tilt: f64) -> Vec<f64> {
     let usual = coverage.graded_misalignments(MISALIGNMENTS, GRADING);
     match coverage.misalignment {
-        Some(range) if closest(&usual) > FARTHEST_APART * tilt => {
-            graded_to(range, MISALIGNMENTS_WIDE, APART * tilt)
-        }
-        _ => usual,
+        Some(range) => close_for(tilt, usual, range, MISALIGNMENTS_WIDE),
+        None => usual,
+    }
+}
+
+/// The misalignments `nodes` over `range`, or `n` graded ones where these lie too far apart at parallel axes for `tilt` (rad).
+pub(super) fn close_for(tilt: f64, nodes: Vec<f64>, range: [f64; 2], n: usize) -> Vec<f64> {
+    if closest(&nodes) <= FARTHEST_APART * tilt {
+        nodes
+    } else {
+        graded_to(range, n, APART * tilt)
     }
 }
 
@@ -195,8 +202,8 @@ impl Coverage {
 
     /// A random point of the other coordinates, its mesh position within `cycles`.
     pub(super) fn draw_query(&self, random: &mut Random, cycles: f64) -> Query {
-        let within = |range: Option<[f64; 2]>| range.map_or(0.0, |range| random.within(range));
-        let [c, m] = [self.center_distance_offset, self.misalignment].map(within);
+        let [c, m] = [self.center_distance_offset, self.misalignment]
+            .map(|range| range.map_or(0.0, |range| random.within(range)));
         Query::from([0.0, c, m, cycles * random.next()])
     }
 }
@@ -269,10 +276,15 @@ pub fn measure(
     table: &FlankTable,
     points: usize,
 ) -> Result<InterpolationError, TableError> {
-    let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
     let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(geometry, coverage);
-    measure_at(source, flank, nominal, found, points)
+    measure_at(
+        source,
+        flank,
+        nominal,
+        |q| Ok(table.evaluate(q, false).gradient),
+        points,
+    )
 }
 
 /// Error of `contact` at run time, its teeth taken as alike, against `source` at `points` random operating points, likewise.
@@ -289,13 +301,18 @@ pub fn measure_at_run_time(
     let mut alike = contact.clone();
     Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
     let level = alike.flank(flank).ok_or_else(no_coast_flank)?;
-    let found = |q: &Query| {
-        let found = level.potential(q.coordinates(), [0; 2], &mut Warm::default())?;
-        Ok(found.gradient)
-    };
     let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(&contact.setup.geometry, coverage);
-    measure_at(source, flank, nominal, found, points)
+    measure_at(
+        source,
+        flank,
+        nominal,
+        |q| {
+            let found = level.potential(q.coordinates(), [0; 2], &mut Warm::default())?;
+            Ok(found.gradient)
+        },
+        points,
+    )
 }
 
 pub(super) fn no_coast_flank() -> TableError {

@@ -167,8 +167,11 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     let lines = lines.collect::<Result<Vec<_>, _>>()?;
     // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
     let mean = |k: usize| {
-        let fraction = |l: &Line| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]);
-        lines.iter().map(fraction).sum::<f64>() / lines.len() as f64
+        lines
+            .iter()
+            .map(|l| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]))
+            .sum::<f64>()
+            / lines.len() as f64
     };
     let mut fractions: Vec<f64> = (1..=loads).map(mean).collect();
     fractions[loads - 1] = 1.0;
@@ -243,11 +246,10 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
     let path = geometry.base_pitch() * geometry.transverse_contact_ratio(geometry.center_distance);
     let beyond = geometry.base_helix_angle().tan() * path;
     let [low, high] = [low - beyond, low + width + beyond].map(|z| 1e3 * z);
-    let off = |r: &&Row| {
+    let Some(row) = rows.iter().find(|r| {
         let z = r.values[5];
         r.values[0] > 0.0 && (z < low - OFF_FACE_MM || z > high + OFF_FACE_MM)
-    };
-    let Some(row) = rows.iter().find(off) else {
+    }) else {
         return Ok(());
     };
     refused(format!(

@@ -10,13 +10,13 @@
 //! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
-    Coverage, Nominal, SEED, closest, displacement_nodes, graded_to, measure_at, mesh_positions,
+    Coverage, Nominal, SEED, close_for, displacement_nodes, measure_at, mesh_positions,
 };
 use super::sweep::{Progress, StaticSource, sweep};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::random::Random;
 use gearmesh::table::{
-    Axes, Axis, FlankGrid, FlankTable, Interpolation, InterpolationError, Query, TableError,
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, InterpolationError, TableError,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -67,9 +67,14 @@ pub fn table_within(
     ];
     let measured = |grid: &FlankGrid, points: usize, seed: u64| {
         let table = FlankTable::new(grid, Interpolation::Spline)?;
-        let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
         let points = coverage.draw(Random::new(seed), points);
-        measure_at(source, Flank::Drive, nominal, found, points)
+        measure_at(
+            source,
+            Flank::Drive,
+            nominal,
+            |q| Ok(table.evaluate(q, false).gradient),
+            points,
+        )
     };
     // The largest of a few hundred errors is not the largest there is: leave it a third.
     let excess = |e: &InterpolationError| {
@@ -151,10 +156,6 @@ fn cheapest(choices: &[Vec<Choice>; 4], error: f64) -> Axes {
     Axes::from([0, 1, 2, 3].map(|axis| choices[axis][taken[axis]].nodes.clone()))
 }
 
-/// How far apart even fine misalignments may lie in units of the tilt, and how far graded ones do at parallel axes.
-const FARTHEST_APART: f64 = 0.25;
-const APART: f64 = 0.15;
-
 /// Fine nodes along `axis`, which all others are chosen from; `None`: no such axis.
 fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
     let even = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
@@ -170,12 +171,8 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
         Axis::CenterDistance => even(coverage.center_distance_offset?, 25),
         Axis::Misalignment => {
             let range = coverage.misalignment?;
-            let nodes = even(range, 65);
-            if closest(&nodes) <= FARTHEST_APART * tilt {
-                nodes
-            } else {
-                graded_to(range, 65, APART * tilt)
-            }
+            // Twice as close as the default ones.
+            close_for(0.5 * tilt, even(range, 65), range, 65)
         }
     };
     // The nominal value is a node, so that tables cut there are the solver's own values.

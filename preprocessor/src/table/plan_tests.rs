@@ -1,6 +1,6 @@
 //! Sweeps and grids to a stated error, on a spring whose solution is known.
 
-use super::super::coverage::{default_axes, graded, measure, misalignments, tilt};
+use super::super::coverage::{closest, default_axes, graded, measure, misalignments, tilt};
 use super::super::sweep::{Position, Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
@@ -8,6 +8,7 @@ use crate::spring::Spring;
 use crate::static_contact::ContactError;
 use gearmesh::contact::Prescribed;
 use gearmesh::root::bisection;
+use gearmesh::table::Query;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Approach at which `force` is the one prescribed.

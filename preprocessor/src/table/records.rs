@@ -63,8 +63,9 @@ pub fn sweep_sliding(
     let total = axes.lengths().iter().product();
     let all = sweep_columns([c, p], total, progress, |c, p, report| {
         let column = Column::new(solver, flank, [c, p])?;
-        let sliding = |result: &ContactResult| Ok(solver.sliding(&column.problem, result, &law));
-        column.solve([m, force], report, sliding)
+        column.solve([m, force], report, |result| {
+            Ok(solver.sliding(&column.problem, result, &law))
+        })
     })?;
     Ok(SlidingSamples::new(&all, law.is_local()))
 }

@@ -96,11 +96,10 @@ fn in_words(lengths: [usize; 4], names: &[&str; 4]) -> String {
 pub fn teeth_in_words(record: &TeethRecord) -> String {
     // Least and largest at each distance.
     let um_per_kn = |values: &Vec<f64>| {
-        let extreme = |choose: fn(f64, f64) -> f64| {
+        let [least, largest] = [f64::min, f64::max].map(|choose| {
             let value = values.iter().copied().reduce(choose);
             format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
-        };
-        let [least, largest] = [f64::min, f64::max].map(extreme);
+        });
         match least == largest {
             true => least,
             false => format!("{least} to {largest}"),

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use crate::pair::{self, PairError};
 pub use model::RexsError;
-use model::{Attribute, Component, Model, Relation, refused};
+use model::{Attribute, Component, Model, refused};
 
 impl From<PairError> for RexsError {
     fn from(error: PairError) -> RexsError {
@@ -223,10 +223,11 @@ pub fn from_bytes(bytes: Vec<u8>, name: &str) -> Result<Imported> {
 
 fn import(model: &Model, stage: Option<u64>, torque: Option<f64>, name: &str) -> Result<Imported> {
     let (stage, gears) = stage_of(model, stage)?;
-    let is_flank = |kind: &str| ["cylindrical_gear_flank", "flank_geometry"].contains(&kind);
     let teeth = gears.map(|gear| {
         let mut parts = vec![gear];
-        parts.extend(model.related(&gear.id, is_flank));
+        parts.extend(model.related(&gear.id, |kind| {
+            ["cylindrical_gear_flank", "flank_geometry"].contains(&kind)
+        }));
         parts
     });
     let mut draft = Draft {
@@ -266,8 +267,10 @@ fn stage_of(model: &Model, id: Option<u64>) -> Result<(&Component, [&Component; 
     let listed = stages.iter().map(|s| format!("{} ({})", s.id, s.name));
     let (listed, count) = (listed.collect::<Vec<_>>().join(", "), stages.len());
     let id = id.map(|id| id.to_string());
-    let is_named = |s: &&&Component| id.as_ref().is_none_or(|id| s.id == *id);
-    let stage = match (&id, stages.iter().find(is_named)) {
+    let named = stages
+        .iter()
+        .find(|s| id.as_ref().is_none_or(|id| s.id == *id));
+    let stage = match (&id, named) {
         (None, None) => return refused("it has no cylindrical_stage"),
         (None, _) if count > 1 => {
             return refused(format!(
@@ -281,10 +284,11 @@ fn stage_of(model: &Model, id: Option<u64>) -> Result<(&Component, [&Component; 
         }
         (_, Some(stage)) => *stage,
     };
-    let is_stage = |r: &&Relation| r.kind == "stage" && r.role("stage") == Some(&stage.id);
-    let relation = model.relations.iter().find(is_stage);
-    let gear = |role| model.component(relation?.role(role)?);
-    match ["gear_1", "gear_2"].map(gear) {
+    let relation = model
+        .relations
+        .iter()
+        .find(|r| r.kind == "stage" && r.role("stage") == Some(&stage.id));
+    match ["gear_1", "gear_2"].map(|role| model.component(relation?.role(role)?)) {
         [Some(gear1), Some(gear2)] => Ok((stage, [gear1, gear2])),
         _ => refused(format!(
             "stage {} has no relation `stage` with gear_1 and gear_2",
@@ -453,8 +457,10 @@ impl<'a> Draft<'a> {
 
     /// Components of one of `kinds` related to gear `i` or its flanks.
     fn beside(&self, i: usize, kinds: &[&str]) -> Vec<&'a Component> {
-        let related = |c: &&'a Component| self.model.related(&c.id, |k| kinds.contains(&k));
-        self.teeth[i].iter().flat_map(related).collect()
+        self.teeth[i]
+            .iter()
+            .flat_map(|c| self.model.related(&c.id, |k| kinds.contains(&k)))
+            .collect()
     }
 
     fn required(&mut self, field: &str, parts: &[&Component], name: &str) -> Result<f64> {
@@ -830,10 +836,9 @@ impl<'a> Draft<'a> {
         if is_measured {
             return Ok(());
         }
-        let thickness = |x: f64| {
+        let [low, high] = [limits[1], limits[2]].map(|x| {
             rounded(basic.module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * basic.alpha.tan()))
-        };
-        let [low, high] = [limits[1], limits[2]].map(thickness);
+        });
         let value = if low == high {
             json!(low)
         } else {
@@ -1033,8 +1038,10 @@ impl<'a> Draft<'a> {
     fn flank(&mut self, i: usize, side: &str) -> Result<Fields> {
         let (model, gear, name) = (self.model, self.gears[i], ["gear1", "gear2"][i]);
         let mut fields = Map::new();
-        let of_gear = |r: &&Relation| r.kind == "flank" && r.names(&gear.id);
-        let mut flanks = model.relations.iter().filter(of_gear);
+        let mut flanks = model
+            .relations
+            .iter()
+            .filter(|r| r.kind == "flank" && r.names(&gear.id));
         let Some(flank) = flanks.find_map(|r| model.component(r.role(side)?)) else {
             return Ok(fields);
         };

@@ -162,8 +162,10 @@ impl Model {
     }
 
     fn from_xml(text: &str) -> Result<Model, RexsError> {
-        let is_element = |tag: &&str| !tag.starts_with(['!', '?', '/']);
-        for tag in text.split('<').filter(is_element) {
+        for tag in text
+            .split('<')
+            .filter(|tag| !tag.starts_with(['!', '?', '/']))
+        {
             if tag.len() > MOST_XML_ATTRIBUTES && tag.matches('=').count() > MOST_XML_ATTRIBUTES {
                 let name: String = tag.chars().take_while(|c| c.is_alphanumeric()).collect();
                 return refused(format!(

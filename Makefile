@@ -123,7 +123,7 @@ report: examples
 	$(GEARMESH) pack --tables resources/tables/palermo2013.json --set coupling=held -o target/hosts.fmu
 	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --data docs/data/hosts
 	$(GEARMESH) pack --pair resources/pairs/palermo2013.json -o target/constant.fmu
-	$(VENV)/bin/python -m examples.hosts.adaptive target/constant.fmu target/hosts.fmu --data docs/data/hosts
+	$(VENV)/bin/python -m validation.adaptive target/constant.fmu target/hosts.fmu --data docs/data/hosts
 	$(VENV)/bin/python -m validation.steps --data docs/data/hosts
 	$(VENV)/bin/python -m demo --out target/demo --docs docs
 	mkdir -p target/report

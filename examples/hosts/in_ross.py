@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import gearmesh
 import numpy as np
 import ross
 
-from .mesh_stiffness import PAIR, over_a_pitch
-
+PAIR = Path(__file__).parents[1] / "drivelines" / "pairs" / "spur-50-50.json"
 STEEL = ross.Material("steel", rho=7810.0, E=206e9, G_s=79.2e9)
 
 
@@ -18,11 +20,11 @@ def rotor() -> ross.Rotor:
     return ross.Rotor(shaft, [gear], bearings)
 
 
-def coupled(table: dict[str, np.ndarray]) -> ross.MultiRotor:
-    """Two such rotors; integration in time reads the stiffness from the table, everything else its mean."""
-    stiffness = table["normal"]
+def coupled(angle: np.ndarray, stiffness: np.ndarray) -> ross.MultiRotor:
+    """Two such rotors; integration in time reads the stiffness along the normal of the flank, N/m, over a pitch of gear 1, rad, everything
+    else its mean."""
     both = ross.MultiRotor(rotor(), rotor(), (1, 1), gear_mesh_stiffness=float(stiffness[:-1].mean()), update_mesh_stiffness=True)
-    both.mesh.theta_range, both.mesh.stiffness_range = table["angle"], stiffness
+    both.mesh.theta_range, both.mesh.stiffness_range = angle, stiffness
     return both
 
 
@@ -40,6 +42,9 @@ def lag(both: ross.MultiRotor, rpm: float, torque: float, duration: float = 5e-3
 
 
 if __name__ == "__main__":
-    rotors = coupled(over_a_pitch(PAIR, 150.0))
+    cycle = gearmesh.solve(PAIR, 150.0, refinement="coarse")
+    # Of spur gears the line of action is the normal of the flank. The end of the pitch is its start again.
+    angle = np.append(cycle.mesh_position, 1.0) * 2.0 * np.pi / 50.0
+    rotors = coupled(angle, np.append(cycle.mesh_stiffness_loa_n_per_m, cycle.mesh_stiffness_loa_n_per_m[0]))
     print("eigenfrequencies, Hz:", np.round(rotors.run_modal(0.0, num_modes=24).wn / (2.0 * np.pi)))
     print(f"gear 2 lags by {1e6 * lag(rotors, 2000.0, 150.0).mean():.1f} um in the mean, by mesh, shafts and bearings")

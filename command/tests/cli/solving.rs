@@ -209,7 +209,18 @@ fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree(
     assert!(tangent(1) < 1.05 * secant, "{secant}");
     assert!(0.95 * secant < tangent(4), "{secant}");
     let row = &stiffness[0];
-    assert!(row["stiffness_normal_n_per_m"] > row["stiffness_loa_n_per_m"]);
+    let over_loa = |form: &str| row[form] / row["stiffness_loa_n_per_m"];
+    let sin_beta_b = 13f64.to_radians().sin() * 20f64.to_radians().cos();
+    for (form, expected) in [
+        ("stiffness_normal_n_per_m", 1.0 - sin_beta_b * sin_beta_b),
+        (
+            "torsional_stiffness_gear1_nm_per_rad",
+            (1.0 / base_radius).powi(2),
+        ),
+    ] {
+        let found = over_loa(form) * expected;
+        assert!((found - 1.0).abs() < 1e-4, "{form}: {found}");
+    }
 }
 
 #[test]

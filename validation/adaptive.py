@@ -1,6 +1,6 @@
 """Adaptive solvers on an FMU through Model Exchange: what event indicators and directional derivatives would save.
 
-    python -m examples.hosts.adaptive CONSTANT.fmu TABLES.fmu [--data docs/data/hosts]
+    python -m validation.adaptive CONSTANT.fmu TABLES.fmu [--data docs/data/hosts]
 
 Gear 1 turns at a constant speed, gear 2 is free on its hinge under a torque: through the backlash and back with
 constant stiffness, where both onsets of contact are known; a torque that swings about its mean with tables. The same
@@ -20,7 +20,7 @@ import numpy as np
 from gearmesh import GearPair, Turning
 from scipy.integrate import solve_ivp
 
-from .tables import show
+from examples.hosts.tables import show
 
 INERTIA = 8e-4  # kg m^2, gear 2
 SPEED = 100.0  # rad/s, gear 1

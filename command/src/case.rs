@@ -38,18 +38,21 @@ impl Case {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<Case>, ContactError> {
         let cycles = MeshCycle::solve_all(solver, shafts, input, loads, progress)?;
-        let case = |(cycle, load): (MeshCycle, &LoadCase)| {
-            let roots = fillets.map(|fillets| cycle.root_stress(solver, input, &fillets.maps));
-            Ok(Case {
-                roots: roots.transpose()?,
-                face_load: cycle.face_load(solver),
-                shafts: ShaftState::mean(&cycle.shafts),
-                input: *input,
-                load: *load,
-                cycle,
+        cycles
+            .into_iter()
+            .zip(loads)
+            .map(|(cycle, load)| {
+                let roots = fillets.map(|fillets| cycle.root_stress(solver, input, &fillets.maps));
+                Ok(Case {
+                    roots: roots.transpose()?,
+                    face_load: cycle.face_load(solver),
+                    shafts: ShaftState::mean(&cycle.shafts),
+                    input: *input,
+                    load: *load,
+                    cycle,
+                })
             })
-        };
-        cycles.into_iter().zip(loads).map(case).collect()
+            .collect()
     }
 
     /// The largest root stress of gear `i`, MPa; 0 without load, None where it is not requested.

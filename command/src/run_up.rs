@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gearmesh::fmi::variables::{VARIABLES, index};
-use gearmesh::gear::{Gear, PairGeometry};
+use gearmesh::gear::PairGeometry;
 use gearmesh::table::TableFile;
 use gearmesh::words::{fixed, rounded, significant};
 use gearmesh_preprocessor::package::{self, Blank, Setting};
@@ -104,7 +104,7 @@ fn on_bearings(path: &Path, geometry: &PairGeometry) -> Result<[Option<BearingSh
     let pair = pair::read(path)?;
     let refuse = |reason: String| Err(format!("--shafts {}: {reason}", path.display()).into());
     let lengths = |pair: &PairGeometry| {
-        let of = |gear: &Gear| {
+        let [one, two] = pair.gears.each_ref().map(|gear| {
             [
                 ("teeth", gear.z()),
                 ("normal module", gear.normal_module),
@@ -112,8 +112,7 @@ fn on_bearings(path: &Path, geometry: &PairGeometry) -> Result<[Option<BearingSh
                 ("face width", gear.face_width),
                 ("offset of the faces", gear.face_offset),
             ]
-        };
-        let [one, two] = pair.gears.each_ref().map(of);
+        });
         let center = [("centre distance", pair.center_distance)];
         [&center[..], &one, &two].concat()
     };
@@ -480,18 +479,15 @@ impl<'a> Summary<'a> {
             }
             curves
         };
-        let figure = |gear: usize| {
+        let figures = [0, 1].into_iter().filter_map(|gear| {
             let curves = curves(gear);
             (!curves.is_empty()).then(|| {
                 charts! { format!("Bearings of gear {}", gear + 1), [SPEED, "largest radial force (N)"], Height::FromZero(0.0) => curves; }
                     .remove(0)
             })
-        };
-        Section::new(
-            "Bearing forces",
-            "Largest radial force in a window. At each time the bearings of the pair file hold the force and moment that the mesh exerts on its gear, without clearances; what gears and shafts weigh, and their inertia across the axes, are left out.",
-            [0, 1].into_iter().filter_map(figure).collect(),
-        )
+        }).collect();
+        let note = "Largest radial force in a window. At each time the bearings of the pair file hold the force and moment that the mesh exerts on its gear, without clearances; what gears and shafts weigh, and their inertia across the axes, are left out.";
+        Section::new("Bearing forces", note, figures)
     }
 
     /// Levels of the acceleration over speed and frequency.
@@ -545,15 +541,16 @@ fn moving(history: &History) -> &[f64] {
 }
 
 fn orders(name: &str, history: &History, teeth: u32) -> Figure {
-    let curve = |k: usize| {
-        let order = f64::from(teeth) * k as f64;
-        let found = history.order(moving(history), order, 1.0).into_iter();
-        Curve::new(
-            format!("order {order}"),
-            found.map(|(speed, amplitude)| (speed / RPM, 20.0 * amplitude.log10())),
-        )
-    };
-    let curves = (1..=HARMONICS).map(curve).collect();
+    let curves = (1..=HARMONICS)
+        .map(|k| {
+            let order = f64::from(teeth) * k as f64;
+            let found = history.order(moving(history), order, 1.0).into_iter();
+            Curve::new(
+                format!("order {order}"),
+                found.map(|(speed, amplitude)| (speed / RPM, 20.0 * amplitude.log10())),
+            )
+        })
+        .collect();
     charts! { format!("Orders in the {name}"), [SPEED, "acceleration (dB re 1 rad/s2)"], Height::Curves(1.0) => curves; }.remove(0)
 }
 

@@ -213,13 +213,16 @@ impl Map {
 /// Ends of cells that meet halfway between `nodes`, the outermost as wide as their neighbours.
 fn cells(nodes: &[f64]) -> Vec<[f64; 2]> {
     let step = |i: usize| nodes.get(i + 1).map_or(1.0, |next| next - nodes[i]);
-    let cell = |(i, node): (usize, &f64)| {
-        let before = 0.5 * step(i.saturating_sub(1));
-        let next = nodes.get(i + 1);
-        let high = next.map_or(node + before, |next| next - 0.5 * step(i));
-        [node - before, high]
-    };
-    nodes.iter().enumerate().map(cell).collect()
+    nodes
+        .iter()
+        .enumerate()
+        .map(|(i, node)| {
+            let before = 0.5 * step(i.saturating_sub(1));
+            let next = nodes.get(i + 1);
+            let high = next.map_or(node + before, |next| next - 0.5 * step(i));
+            [node - before, high]
+        })
+        .collect()
 }
 
 /// Charts: `"title", [label of x, of y], height => curves;` or `"title", [label of x, of y, of the scale] => map;` for each.

@@ -129,7 +129,7 @@ fn outline(geometry: &PairGeometry, i: usize) -> Option<Vec<(f64, f64)>> {
             }),
         )
         .collect();
-    let tooth = |n: i32| {
+    let points = (-TEETH..=TEETH).flat_map(|n| {
         let centre = middle + f64::from(n) * 2.0 * profile.half_pitch();
         let low = half.iter().map(move |[r, angle]| (*r, centre - angle));
         let high = half
@@ -137,8 +137,7 @@ fn outline(geometry: &PairGeometry, i: usize) -> Option<Vec<(f64, f64)>> {
             .rev()
             .map(move |[r, angle]| (*r, centre + angle));
         low.chain(high).collect::<Vec<_>>()
-    };
-    let points = (-TEETH..=TEETH).flat_map(tooth);
+    });
     Some(
         points
             .map(|(r, angle)| {
@@ -352,8 +351,6 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
     let geometry = &pair.geometry;
     let cos_beta_b = geometry.base_helix_angle().cos();
     let torque = |case: &Case| torque_in_words(case.load.torque);
-    let tilt = |case: &Case| format!("{:+.2} mrad", 1e3 * case.load.misalignment);
-    let line_load = |s: &SegmentLoad| Some(1e-3 * s.line_load(cos_beta_b));
     let distribution = ["Load distribution", "line load (N/mm)"];
 
     let mut sections = Vec::new();
@@ -366,7 +363,9 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         let heading = "Contact pattern under misalignment";
         let note =
             "At the nominal torque and the limits of the misalignment in the plane of action.";
-        let figures = contact_patterns(geometry, tilted, tilt);
+        let figures = contact_patterns(geometry, tilted, |case| {
+            format!("{:+.2} mrad", 1e3 * case.load.misalignment)
+        });
         sections.push(Section::new(heading, note, figures));
     }
     let note = "Largest normal force per length of contact line that each point of the flank carries over the mesh cycle.";
@@ -375,7 +374,7 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         std::slice::from_ref(nominal),
         distribution,
         torque,
-        line_load,
+        |s| Some(1e-3 * s.line_load(cos_beta_b)),
     );
     sections.push(Section::new("Load distribution", note, figures));
     let note = format!(
@@ -417,7 +416,8 @@ pub fn modifications(pair: &Pair) -> Section {
         let start = geometry.active_start_roll(i, geometry.center_distance);
         let pitch = gear.roll_length(geometry.operating_pitch_radius(i, geometry.center_distance));
         let trace = |ends: [f64; 2], coordinates: &dyn Fn(f64) -> [f64; 2]| {
-            let curve = |(flank, name)| {
+            let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
+            let [drive, coast] = flanks.map(|(flank, name)| {
                 let m = &pair.microgeometry.flank(flank)[i];
                 let along = evenly(ends[0], ends[1], TRACE_POINTS).into_iter();
                 Curve::new(
@@ -427,9 +427,7 @@ pub fn modifications(pair: &Pair) -> Section {
                         (1e3 * s, -1e6 * m.removal(gear, roll, z))
                     }),
                 )
-            };
-            let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
-            let [drive, coast] = flanks.map(curve);
+            });
             match drive.points == coast.points {
                 true => vec![Curve::new("both flanks", drive.points)],
                 false => vec![drive, coast],

@@ -236,17 +236,18 @@ pub struct BearingRow {
 
 /// Every bearing of both shafts of `pair` in `state`.
 pub fn bearings(pair: &Pair, state: &ShaftState) -> Vec<BearingRow> {
-    let of_gear = |gear: usize| {
-        let given = pair.shafts[gear].iter().flat_map(|shaft| &shaft.bearings);
-        let loads = given.zip(&state.bearings[gear]).enumerate();
-        loads.map(move |(k, (bearing, load))| BearingRow {
-            gear: gear + 1,
-            number: k + 1,
-            z: bearing.z,
-            load: *load,
+    (0..2)
+        .flat_map(|gear| {
+            let given = pair.shafts[gear].iter().flat_map(|shaft| &shaft.bearings);
+            let loads = given.zip(&state.bearings[gear]).enumerate();
+            loads.map(move |(k, (bearing, load))| BearingRow {
+                gear: gear + 1,
+                number: k + 1,
+                z: bearing.z,
+                load: *load,
+            })
         })
-    };
-    (0..2).flat_map(of_gear).collect()
+        .collect()
 }
 
 pub fn bearing_columns() -> Vec<Column<'static, BearingRow>> {
@@ -288,16 +289,18 @@ fn axis_columns() -> Vec<Column<'static, OnAxis>> {
 
 /// z, what the shafts close there, and torsion of that, m.
 fn closings(case: &Case) -> Vec<[f64; 3]> {
-    let closing = |state: &ShaftState| {
-        let values = state.closing.iter().zip(&state.torsion);
-        let rows = state
-            .z
-            .iter()
-            .zip(values)
-            .map(|(z, (all, torsion))| [*z, *all, *torsion]);
-        rows.collect()
-    };
-    case.shafts.as_ref().map(closing).unwrap_or_default()
+    case.shafts
+        .as_ref()
+        .map(|state| {
+            let values = state.closing.iter().zip(&state.torsion);
+            let rows = state
+                .z
+                .iter()
+                .zip(values)
+                .map(|(z, (all, torsion))| [*z, *all, *torsion]);
+            rows.collect()
+        })
+        .unwrap_or_default()
 }
 
 fn closing_columns() -> Vec<Column<'static, [f64; 3]>> {

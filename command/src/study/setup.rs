@@ -299,28 +299,29 @@ impl Setup {
             done.iter()
                 .filter(|s| s.point == point && s.outcome.is_ok())
         };
-        let count = |requirement: &Requirement| Violations {
-            point,
-            requirement: requirement.words(),
-            samples: samples().count(),
-            violated: samples()
-                .filter(|s| requirement.missed(s).is_some())
-                .count(),
-        };
-        self.requirements.iter().map(count).collect()
+        self.requirements
+            .iter()
+            .map(|requirement| Violations {
+                point,
+                requirement: requirement.words(),
+                samples: samples().count(),
+                violated: samples()
+                    .filter(|s| requirement.missed(s).is_some())
+                    .count(),
+            })
+            .collect()
     }
 
     /// By how much `point` misses the requirements together; None where it meets them all.
     fn missed(&self, done: &[Sample], point: usize) -> Option<f64> {
-        let worst = |requirement: &Requirement| {
-            let samples = self.measure.counting(done, point);
-            samples
-                .filter_map(|s| requirement.missed(s))
-                .reduce(f64::max)
-        };
         self.requirements
             .iter()
-            .filter_map(worst)
+            .filter_map(|requirement| {
+                let samples = self.measure.counting(done, point);
+                samples
+                    .filter_map(|s| requirement.missed(s))
+                    .reduce(f64::max)
+            })
             .reduce(|a, b| a + b)
     }
 

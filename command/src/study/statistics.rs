@@ -293,13 +293,15 @@ fn result_named(option: &str, name: &str, outcomes: &[Outcome]) -> Result<usize>
 
 impl BestArgs {
     pub fn requirements(&self, outcomes: &[Outcome]) -> Result<Vec<Requirement>> {
-        let requirement = |required: &Required| {
-            Ok(Requirement {
-                result: result_named("--require", &required.name, outcomes)?,
-                required: required.clone(),
+        self.require
+            .iter()
+            .map(|required| {
+                Ok(Requirement {
+                    result: result_named("--require", &required.name, outcomes)?,
+                    required: required.clone(),
+                })
             })
-        };
-        self.require.iter().map(requirement).collect()
+            .collect()
     }
 
     pub fn measure(&self, outcomes: &[Outcome], torques: &[f64]) -> Result<Measure> {

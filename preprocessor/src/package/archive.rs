@@ -274,7 +274,6 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     let description = text(DESCRIPTION)?.unwrap_or_default();
     let step_size = description.split_once("stepSize=\"");
     let step_size = step_size.and_then(|(_, rest)| rest.split('"').next()?.parse().ok());
-    let missing = || faulty(DESCRIPTION, "no stepSize in its default experiment");
     let contact = format!("resources/{CONTACT_FILE}");
     let found = bytes(&contact)?.as_deref().map(ContactFile::from_bytes);
     let contact = (found.transpose()).map_err(|reason| faulty(&contact, &reason))?;
@@ -288,7 +287,8 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     Ok(Inspection {
         unit,
         tables,
-        step_size: step_size.ok_or_else(missing)?,
+        step_size: step_size
+            .ok_or_else(|| faulty(DESCRIPTION, "no stepSize in its default experiment"))?,
         contact,
         platforms,
         files,

@@ -84,13 +84,12 @@ pub(super) fn both<A, B>(
 pub(super) fn every<T>(
     results: impl IntoIterator<Item = Result<T, impl Into<Refusals>>>,
 ) -> Result<Vec<T>, Refusals> {
-    let join = |all, one| {
+    results.into_iter().fold(Ok(Vec::new()), |all, one| {
         both(all, one).map(|(mut all, one): (Vec<T>, T)| {
             all.push(one);
             all
         })
-    };
-    results.into_iter().fold(Ok(Vec::new()), join)
+    })
 }
 
 /// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.

@@ -203,16 +203,20 @@ impl Beam {
             angular: [-bent[1][2 * i + 1], bent[0][2 * i + 1], twist[i]],
         };
         let nodes: Vec<AtNode> = (0..count).map(at).collect();
-        let bears = |((node, bearing), lost): (&(usize, Bearing), &[f64; 2])| {
-            let AtNode { linear, angular } = nodes[*node];
-            let radial = |p: usize| lost[p] - bearing.radial_stiffness * linear[p];
-            let tilt = |p: usize| -bearing.tilt_stiffness * angular[p];
-            BearingLoad {
-                linear: [radial(0), radial(1), -bearing.axial_stiffness * linear[2]],
-                angular: [tilt(0), tilt(1), 0.0],
-            }
-        };
-        let bearings = self.bearings.iter().zip(&lost).map(bears).collect();
+        let bearings = self
+            .bearings
+            .iter()
+            .zip(&lost)
+            .map(|((node, bearing), lost)| {
+                let AtNode { linear, angular } = nodes[*node];
+                let radial = |p: usize| lost[p] - bearing.radial_stiffness * linear[p];
+                let tilt = |p: usize| -bearing.tilt_stiffness * angular[p];
+                BearingLoad {
+                    linear: [radial(0), radial(1), -bearing.axial_stiffness * linear[2]],
+                    angular: [tilt(0), tilt(1), 0.0],
+                }
+            })
+            .collect();
         (nodes, bearings)
     }
 

@@ -235,14 +235,10 @@ impl Shafts {
 
     /// The force `force` (N) on the line of action spread evenly over the face.
     fn under_even(&self, force: f64) -> ShaftState {
-        let share = |i: usize| {
-            let half = i == 0 || i == STATIONS - 1;
-            [
-                if half { 0.5 } else { 1.0 } * force / (STATIONS - 1) as f64,
-                0.0,
-            ]
-        };
-        self.under(&(0..STATIONS).map(share).collect::<Vec<_>>())
+        let mut shares = [[force / (STATIONS - 1) as f64, 0.0]; STATIONS];
+        shares[0][0] *= 0.5;
+        shares[STATIONS - 1][0] *= 0.5;
+        self.under(&shares)
     }
 
     /// Range of the closing along the face under the torque `torque` (N m on gear 1) spread evenly over it, m.

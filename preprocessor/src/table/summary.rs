@@ -95,17 +95,20 @@ fn in_words(lengths: [usize; 4], names: &[&str; 4]) -> String {
 /// Nodes, coupling and error against contact at run time in one line.
 pub fn teeth_in_words(record: &TeethRecord) -> String {
     // Least and largest at each distance.
-    let um_per_kn = |values: &Vec<f64>| {
-        let [least, largest] = [f64::min, f64::max].map(|choose| {
-            let value = values.iter().copied().reduce(choose);
-            format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
-        });
-        match least == largest {
-            true => least,
-            false => format!("{least} to {largest}"),
-        }
-    };
-    let coupling: Vec<String> = record.coupling_m_per_n.iter().map(um_per_kn).collect();
+    let coupling: Vec<String> = record
+        .coupling_m_per_n
+        .iter()
+        .map(|values| {
+            let [least, largest] = [f64::min, f64::max].map(|choose| {
+                let value = values.iter().copied().reduce(choose);
+                format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
+            });
+            match least == largest {
+                true => least,
+                false => format!("{least} to {largest}"),
+            }
+        })
+        .collect();
     let [c, m, u, _] = GRID;
     format!(
         "{} from {:.2} to {:.2} base pitches; of the approach others take {} um/kN; {} against contact at run time",

@@ -184,15 +184,17 @@ fn coupling(
         let tau = i as f64 / POSITIONS as f64;
         let failed = |m| move |error: ContactError| solve_error(flank, [0.0, m, tau], error);
         let pairs = Together::new(solver, flank, tau).map_err(failed(0.0))?;
-        let look = |&m: &f64| {
-            let mut sums = Sums::default();
-            for load in 1..=LOADS {
-                let torque = coverage.maximum_torque * load as f64 / LOADS as f64;
-                pairs.add(torque, m, &mut sums).map_err(failed(m))?;
-            }
-            Ok(sums)
-        };
-        misalignments.iter().map(look).collect()
+        misalignments
+            .iter()
+            .map(|&m| {
+                let mut sums = Sums::default();
+                for load in 1..=LOADS {
+                    let torque = coverage.maximum_torque * load as f64 / LOADS as f64;
+                    pairs.add(torque, m, &mut sums).map_err(failed(m))?;
+                }
+                Ok(sums)
+            })
+            .collect()
     });
     let rows: Vec<Vec<Sums>> = rows.collect::<Result<_, TableError>>()?;
     let mut nodes = vec![Sums::default(); misalignments.len()];

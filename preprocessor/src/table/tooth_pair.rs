@@ -56,14 +56,16 @@ impl ToothPair {
         let torque = Prescribed::Torque(coverage.maximum_torque);
         let rows = nodes[0].par_iter().map(|&c| {
             let problem = (solver.tooth_pair(flank, 0.0, c)).map_err(failed(c, 0.0))?;
-            let level = |&m: &f64| {
-                let low = problem.no_load_approach(m);
-                let top = problem.solve_beyond(torque, m, None);
-                let span = top.map_err(failed(c, m))?.approach - low + spread;
-                let ceiling = low + CEILING * span;
-                Ok(Level { ceiling, span })
-            };
-            nodes[1].iter().map(level).collect::<Result<Vec<_>, _>>()
+            nodes[1]
+                .iter()
+                .map(|&m| {
+                    let low = problem.no_load_approach(m);
+                    let top = problem.solve_beyond(torque, m, None);
+                    let span = top.map_err(failed(c, m))?.approach - low + spread;
+                    let ceiling = low + CEILING * span;
+                    Ok(Level { ceiling, span })
+                })
+                .collect::<Result<Vec<_>, _>>()
         });
         let levels = rows.collect::<Result<Vec<_>, TableError>>()?.concat();
         let mut pair = ToothPair {

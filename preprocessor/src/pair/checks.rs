@@ -84,12 +84,14 @@ pub(super) fn both<A, B>(
 pub(super) fn every<T>(
     results: impl IntoIterator<Item = Result<T, impl Into<Refusals>>>,
 ) -> Result<Vec<T>, Refusals> {
-    results.into_iter().fold(Ok(Vec::new()), |all, one| {
-        both(all, one).map(|(mut all, one): (Vec<T>, T)| {
+    let mut all = Ok(Vec::new());
+    for one in results {
+        all = both(all, one).map(|(mut all, one)| {
             all.push(one);
             all
-        })
-    })
+        });
+    }
+    all
 }
 
 /// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.

@@ -7,7 +7,9 @@ use gearmesh::friction::{Loss, Sliding, loss_factor_of, ohlendorf};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::table::{Query, Table};
 use gearmesh::words::rounded;
-use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, GearRoots, LoadCase, MeshCycle};
+use gearmesh_preprocessor::contact::{
+    CycleInput, FaceLoad, GearRoots, LoadCase, MeshCycle, Revolution,
+};
 use gearmesh_preprocessor::gear::{Pair, Shaft};
 use gearmesh_preprocessor::shaft::ShaftState;
 use gearmesh_preprocessor::static_contact::{ContactError, ContactResult, ContactSolver};
@@ -25,6 +27,8 @@ pub struct Case {
     pub roots: Option<[GearRoots; 2]>,
     /// The shafts, mean over the mesh cycle, where the gears have any.
     pub shafts: Option<ShaftState>,
+    /// Turns of gears whose bodies are no solids of revolution, where they are requested.
+    pub revolutions: Vec<Revolution>,
 }
 
 impl Case {
@@ -47,6 +51,7 @@ impl Case {
                     roots: roots.transpose()?,
                     face_load: cycle.face_load(solver),
                     shafts: ShaftState::mean(&cycle.shafts),
+                    revolutions: vec![],
                     input: *input,
                     load: *load,
                     cycle,
@@ -166,6 +171,7 @@ fn of_table(table: &Table, input: CycleInput, load: LoadCase) -> Case {
         face_load: FaceLoad::default(),
         roots: None,
         shafts: None,
+        revolutions: vec![],
     }
 }
 

@@ -2,6 +2,7 @@
 //! from the local contact, whose width depends on the load.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use gearmesh::contact::Segment;
 use nalgebra::DMatrix;
@@ -61,6 +62,13 @@ pub trait ToothCompliance: Send + Sync {
     /// The model of the same gear turned end for end, where that is another one: the contact solver takes it for
     /// segments that it had to mirror in z. None for bodies that are the same from both ends of the face.
     fn turned(&self) -> Option<&dyn ToothCompliance> {
+        None
+    }
+
+    /// The model of the same gear with tooth 0 of [`Segment::tooth`] its tooth `tooth`, counted in canonical coordinates from the tooth at body +x (of a
+    /// ring from that before the space there), where teeth give way in another way from tooth to tooth. None where they are alike;
+    /// of others this model is the mean.
+    fn at_tooth(&self, _tooth: i32) -> Option<Arc<dyn ToothCompliance>> {
         None
     }
 

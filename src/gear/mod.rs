@@ -18,5 +18,5 @@ pub use microgeometry::{
     ReliefShape,
 };
 pub use pair_geometry::{BothFlanks, Flank, PairGeometry, PathOfContact};
-pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
+pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth, first_teeth};
 pub use topography::{ProfilePiece, Topography, TopographyError};

@@ -116,6 +116,19 @@ struct PassingGear {
     pressure_angle: f64,
 }
 
+/// The teeth of both gears that touch at the pitch point at mesh position 0 when no mesh cycle was counted: on the drive flank tooth 0 of
+/// both. On the coast flank external teeth meet the next one of gear 2, those of a pinion in a ring the one before. A ring as gear
+/// 1 counts from a space, whose other side is the next tooth.
+pub fn first_teeth(geometry: &PairGeometry, flank: Flank) -> [i32; 2] {
+    let kinds = geometry.gears.each_ref().map(|gear| gear.kind);
+    match (flank, kinds) {
+        (Flank::Drive, _) => [0, 0],
+        (Flank::Coast, [GearKind::Ring, _]) => [1, 0],
+        (Flank::Coast, [_, GearKind::Ring]) => [0, -1],
+        (Flank::Coast, _) => [0, 1],
+    }
+}
+
 impl PassingGear {
     /// Number of its tooth in the tooth pair `k`.
     fn tooth(&self, count: i64, k: i32) -> usize {
@@ -150,23 +163,13 @@ impl Passing {
             return None;
         }
         let (s, e, gears) = (flank.sign(), geometry.e(), &geometry.gears);
-        // The teeth at the pitch point at mesh position 0: on the drive flank tooth 0 of both gears. On the coast flank external teeth
-        // meet the next one of gear 2, those of a pinion in a ring the one before. A ring as gear 1 counts from a space, whose
-        // other side is the next tooth.
-        let first_on_coast = match (gears[0].kind, gears[1].kind) {
-            (GearKind::Ring, _) => [1.0, 0.0],
-            (_, GearKind::Ring) => [0.0, -1.0],
-            _ => [0.0, 1.0],
-        };
+        let first = first_teeth(geometry, flank);
         let gear = |i: usize, sense: f64, facing: f64| PassingGear {
             errors: errors[i].clone(),
             teeth: gears[i].z(),
             kappa: gears[i].kappa(),
             sense,
-            first: match flank {
-                Flank::Drive => 0.0,
-                Flank::Coast => first_on_coast[i],
-            },
+            first: f64::from(first[i]),
             facing,
             pressure_angle: geometry.operating_pressure_angle(geometry.center_distance),
         };

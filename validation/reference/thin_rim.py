@@ -1,6 +1,7 @@
 """Compliance of gears with thin rims from a finite-element model of the whole gear, apart from the product's code.
 
     python validation/reference/thin_rim.py > tests/data/thin_rim.json
+    python validation/reference/thin_rim.py holes > tests/data/web_holes.json
 
 Every tooth of the gear is meshed, with rim, web and hub, in 20-node hexahedra; nothing is condensed and no symmetry
 is used. The outline is the envelope of the rolling rack. A strip is a line load of 1 N along a contact line, spread
@@ -62,7 +63,10 @@ class Model:
         inside = t_s + w * (0.5 * pitch - t_s)
         columns.append((r_land, t_land, inside))
         columns.append((r_land[::-1], -t_land[::-1], -inside[::-1]))
-        radii = {"web": graded(self.rim_in, gear["hub"], 0.3 * m, 1.6), "hub": graded(gear["hub"], gear["bore"], 0.5 * m, gear["growth"])}
+        web = graded(self.rim_in, gear["hub"], 0.3 * m, 1.6) if gear.get("holes") is None else np.linspace(self.rim_in, gear["hub"], 9)
+        # Where the two columns of the tooth next to its middle end: a hole takes the place of these.
+        self.inner = t_s * u[2 * (gear["across"] // 2 + 2)]
+        radii = {"web": web, "hub": graded(gear["hub"], gear["bore"], 0.5 * m, gear["growth"])}
         for surface, theta, deep in columns:
             blocks.append((
                 surface[:, None] + below * (self.rim_in - surface[:, None]),
@@ -80,7 +84,7 @@ class Model:
         spans = {"rim": [0.0, gear["face"]], "web": gear["web"], "hub": gear["hub_z"]}
         twist = 1e3 * self.teeth.twist
         steps = LOCAL + 1
-        cells, flank = [], []
+        cells, flank, webs = [], [], []
         for number, (r, t, part) in enumerate(blocks):
             low, high = spans[part]
             for k in range(0, zs.size - 1, 2):
@@ -92,12 +96,22 @@ class Model:
                         if number == 0 and i == r.shape[0] - 3:
                             flank.append((len(cells), j, k))
                         cells.append(np.c_[r[a, b], t[a, b], zs[c]])
+                        webs.append(part == "web")
         sector = np.array(cells)
-        whole = []
+        whole, kept = [], []
         for tooth in range(gear["teeth"]):
+            if gear.get("holes") and tooth % (gear["teeth"] // gear["holes"]["count"]) == 0:
+                pierced, solid = self.pierced(sector, np.array(webs), 0.5 * pitch)
+                angle = pierced[..., 1] + tooth * pitch
+                whole.append(np.stack([pierced[..., 0] * np.cos(angle), pierced[..., 0] * np.sin(angle), pierced[..., 2]], -1))
+                kept.append(solid)
+                continue
+            kept.append(np.ones(len(cells), bool))
             angle = sector[..., 1] + tooth * pitch + twist * sector[..., 2]
             whole.append(np.stack([sector[..., 0] * np.cos(angle), sector[..., 0] * np.sin(angle), sector[..., 2]], -1))
-        x = np.concatenate(whole)
+        kept = np.concatenate(kept)
+        self.place = np.cumsum(kept) - 1
+        x = np.concatenate(whole)[kept]
         keys = np.round(x.reshape(-1, 3) / 1e-8).astype(np.int64)
         _, first, inverse = np.unique(keys // 3, axis=0, return_index=True, return_inverse=True)
         self.x, self.points = x, x.reshape(-1, 3)[first]
@@ -107,6 +121,29 @@ class Model:
             self.held = np.hypot(self.points[:, 0], self.points[:, 1]) < gear["bore"] * (1 + 1e-9)
         else:
             self.held = np.min(np.abs(self.points[:, 2:] - np.array(gear["held_z"])), axis=1) < 1e-9
+
+    def pierced(self, sector, webs, half):
+        """The sector (polar) of a spur gear with the elements of its web laid around a hole under the middle of the tooth, and which of them stay:
+        squares about the hole become circles, and blend into the edge of the web's part of the sector."""
+        hole, hub = self.gear["holes"], self.gear["hub"]
+        middle, depth = 0.5 * (self.rim_in + hub), 0.5 * (self.rim_in - hub)
+        share = lambda x, inner, outer: np.where(abs(x) < inner, 0.5 * x / inner, np.sign(x) * (0.5 + 0.5 * (abs(x) - inner) / (outer - inner)))
+        back = lambda s, inner, outer: np.where(abs(s) < 0.5, 2 * s * inner, np.sign(s) * (inner + (2 * abs(s) - 1) * (outer - inner)))
+        sizes = [(0.5 * depth, depth), (self.inner, half)]
+        a, b = share(sector[..., 0] - middle, *sizes[0]), share(sector[..., 1], *sizes[1])
+        square = np.maximum(abs(a), abs(b))
+        solid = ~(webs & (square.max(1) < 0.5 + 1e-9))
+        square = np.maximum(square, 1e-9)
+        edge, turn = middle + back(a / square, *sizes[0]), back(b / square, *sizes[1])
+        edge = np.stack([edge * np.cos(turn), edge * np.sin(turn)], -1)
+        away = edge - [hole["circle"], 0.0]
+        round_ = [hole["circle"], 0.0] + hole["radius"] * away / np.linalg.norm(away, axis=-1)[..., None]
+        t = (2 * square - 1)[..., None]
+        at = (1 - t) * round_ + t * edge
+        moved = sector.copy()
+        moved[webs, :, 0] = np.hypot(at[..., 0], at[..., 1])[webs]
+        moved[webs, :, 1] = np.arctan2(at[..., 1], at[..., 0])[webs]
+        return moved, solid
 
     def stiffness(self):
         self.number = np.where(self.held, -1, np.cumsum(~self.held) - 1)
@@ -124,7 +161,7 @@ class Model:
             if high <= low:
                 continue
             s0, s1 = self.arcs[j], self.arcs[j + 2]
-            element = strip["tooth"] * self.per_tooth + cell
+            element = self.place[strip["tooth"] * self.per_tooth + cell]
             for p, wp in zip(a, w):
                 z = 0.5 * (low + high) + 0.5 * (high - low) * p
                 share = (z - z0) / (z1 - z0)
@@ -151,10 +188,11 @@ class Model:
         return f
 
 
-def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations, strips, held_z=None, growth=2.0):
+def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations, strips, held_z=None, growth=2.0, holes=None):
     gear = dict(teeth=teeth, module=module * 1e-3, helix_deg=helix, face=face * 1e-3, rim=rim * 1e-3,
                 web=[v * 1e-3 for v in web], hub=0.5e-3 * hub, hub_z=[v * 1e-3 for v in hub_z], bore=0.5e-3 * bore,
                 stations=[v * 1e-3 for v in stations], across=6, land=2, growth=growth,
+                holes=holes and dict(count=holes["count"], circle=0.5e-3 * holes["circle_mm"], radius=0.5e-3 * holes["diameter_mm"]),
                 held_z=held_z and [v * 1e-3 for v in held_z])
     model = Model(gear)
     matrix = model.stiffness()
@@ -168,7 +206,7 @@ def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations,
     influence = loads @ answer
     return dict(name=name, teeth=teeth, normal_module_mm=module, helix_angle_deg=helix, face_width_mm=face,
                 rim_thickness_mm=rim, web_z_mm=web, hub_diameter_mm=hub, hub_z_mm=hub_z, bore_diameter_mm=bore,
-                held_z_mm=held_z or [], kernel_half_width_mm=0.3 * module, unknowns=matrix.shape[0], strips=strips,
+                held_z_mm=held_z or [], web_holes=holes, kernel_half_width_mm=0.3 * module, unknowns=matrix.shape[0], strips=strips,
                 influence_nm_per_n=[[round(1e9 * v, 6) for v in row] for row in influence])
 
 
@@ -193,6 +231,10 @@ def main():
                       stations=[-8, -4, -1.5, 0, 0.7, 2, 3.5, 5, 6.3, 8, 9.9, 11.3, 12, 13, 15, 18.5, 23, 27.5, 30.5, 32],
                       strips=helical),
     }
+    if "holes" in chosen:
+        # One under the middle of every fourth tooth.
+        places = [strip(tooth, [0, 12], [48, 48]) for tooth in range(5)] + [strip(0, [0, 3], [48, 48]), strip(2, [0, 3], [48, 48])]
+        cases = {"holes": cases["spur"] | dict(holes=dict(count=6, circle_mm=31.5, diameter_mm=3.6), strips=places)}
     results = [case(name, **common, **data) for name, data in cases.items() if not chosen or name in chosen]
     text = json.dumps(dict(description=__doc__.strip(), cases=results))
     print(text.replace('{"name"', '\n{"name"').replace('{"tooth"', '\n {"tooth"'))

@@ -1,6 +1,7 @@
 //! `gearmesh solve PAIR.json`: mesh cycles, quasi-static, for one load or a matrix of loads.
 
 mod results;
+mod revolution;
 
 pub use results::{bearing_columns, bearings};
 
@@ -10,7 +11,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::words::{count, rounded};
-use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase, Revolution};
 use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::shaft::misalignment_range;
@@ -65,6 +66,10 @@ pub struct Solve {
     #[arg(long, value_delimiter = ',', value_parser = limits::within(0.0..=1e6))]
     speed_rpm: Vec<f64>,
 
+    /// Follow the transmission error over a turn of each gear whose body is no solid of revolution, a mesh cycle for each tooth; for one load
+    #[arg(long)]
+    revolution: bool,
+
     /// Solve with finite elements of another refinement, too, and print how far the results differ
     #[arg(long, conflicts_with = "json")]
     estimate_error: bool,
@@ -105,8 +110,20 @@ impl Solve {
                 "{option}: it says how the shafts bend, and so do the shafts of the pair file; leave it out, or add --shafts off"
             );
         }
+        if self.revolution && pair.bodies.iter().all(Option::is_none) {
+            refuse!(
+                "--revolution: the body of neither gear changes over a turn; give web_holes, rim_pins, rim_supports or body_matrix \
+                 in the pair file, or leave it out"
+            );
+        }
+        if self.revolution && loads.len() > 1 {
+            refuse!(
+                "--revolution: {} loads; give one torque and one misalignment",
+                loads.len()
+            );
+        }
         if let Some(folder) = &self.output {
-            results::check(folder, self.model.root_stress, has_shafts)?;
+            results::check(folder, self.model.root_stress, has_shafts, self.revolution)?;
         }
         let bent = deflection.as_ref().map_or(0.0, |deflection| {
             let (low, width) = pair.geometry.face_overlap();
@@ -180,13 +197,21 @@ impl Solve {
         };
         let progress = |share| job.show("static contact", share);
         let fillets = model.fillets.as_ref();
-        let cases = Case::solve_all(
+        let mut cases = Case::solve_all(
             (&model.solver, &pair.shafts),
             fillets,
             &input,
             loads,
             &progress,
         )?;
+        for case in cases.iter_mut().filter(|_| self.revolution) {
+            for gear in (0..2).filter(|gear| pair.bodies[*gear].is_some()) {
+                let progress = |share| job.show(&format!("turn of gear {}", gear + 1), share);
+                let (solver, shafts) = (&model.solver, &pair.shafts);
+                let turn = Revolution::solve(solver, shafts, &input, case.load, gear, &progress)?;
+                case.revolutions.push(turn);
+            }
+        }
         Ok(Solved { pair, model, cases })
     }
 }
@@ -251,6 +276,7 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
         );
         text += "Forces of the housing on the shaft: x from gear 1 to gear 2, y across it, z along the axes.\n";
     }
+    text += &revolution::text(case);
     list(rows, &details(solver), &case);
     rows! { rows; "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual(); }
     if !speeds.is_empty() {

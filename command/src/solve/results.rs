@@ -19,6 +19,8 @@ use crate::columns::{Column, columns, csv, lists, object};
 use crate::error::Result;
 use crate::output;
 
+use super::revolution;
+
 /// Names of the files in the folder, of those of root stress, and of those of shafts on bearings.
 const NAMES: [&str; 5] = [
     "load-distribution.csv",
@@ -29,13 +31,16 @@ const NAMES: [&str; 5] = [
 ];
 const ROOT_NAMES: [&str; 2] = ["root-stress.csv", "root-stress-field.csv"];
 const SHAFT_NAMES: [&str; 3] = ["bearings.csv", "shafts.csv", "shaft-closing.csv"];
+/// Of turns of bodies that are no solids of revolution.
+const REVOLUTION_NAMES: [&str; 2] = ["revolution.csv", "revolution-orders.csv"];
 
-/// Refuses a folder that cannot take the files, those of root stress and shafts if there are any, and makes it if it is not there.
-pub fn check(folder: &Path, root_stress: bool, shafts: bool) -> Result<()> {
+/// Refuses a folder that cannot take the files, those of root stress, shafts and turns if there are any, and makes it if it is not there.
+pub fn check(folder: &Path, root_stress: bool, shafts: bool, turns: bool) -> Result<()> {
     output::make_folder("--output", folder)?;
     let roots = ROOT_NAMES.iter().filter(|_| root_stress);
     let of_shafts = SHAFT_NAMES.iter().filter(|_| shafts);
-    for name in NAMES.iter().chain(roots).chain(of_shafts) {
+    let of_turns = REVOLUTION_NAMES.iter().filter(|_| turns);
+    for name in NAMES.iter().chain(roots).chain(of_shafts).chain(of_turns) {
         output::check_writable(&folder.join(name), [] as [&Path; 0])?;
     }
     Ok(())
@@ -69,6 +74,13 @@ pub fn write(folder: &Path, solver: &ContactSolver, pair: &Pair, cases: &[Case])
         tables.push(csv(&load(), &axis_columns(), cases, axes)?);
         tables.push(csv(&load(), &closing_columns(), cases, closings)?);
         names.extend(SHAFT_NAMES);
+    }
+    if cases.iter().any(|case| !case.revolutions.is_empty()) {
+        let of_turn = revolution::all_positions;
+        tables.push(csv(&load(), &revolution::positions(), cases, of_turn)?);
+        let of_turn = revolution::all_orders;
+        tables.push(csv(&load(), &revolution::orders(), cases, of_turn)?);
+        names.extend(REVOLUTION_NAMES);
     }
     for (name, table) in names.iter().zip(tables) {
         output::write_whole(&folder.join(name), &table)?;
@@ -140,6 +152,9 @@ pub fn json(
         more("iso_6336_3", json!(nominal));
     }
     json.extend(lists(&losses(pair, case), speeds));
+    if !case.revolutions.is_empty() {
+        json.insert("revolutions".into(), revolution::json(case));
+    }
     json
 }
 

@@ -335,7 +335,7 @@ impl MeshCycle {
     }
 }
 
-fn peak_to_peak(values: &[f64]) -> f64 {
+pub(super) fn peak_to_peak(values: &[f64]) -> f64 {
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     highest - lowest

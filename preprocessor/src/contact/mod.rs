@@ -3,6 +3,7 @@
 
 mod mesh_cycle;
 mod models;
+mod revolution;
 mod root_stress;
 
 use std::sync::Arc;
@@ -19,6 +20,7 @@ pub use mesh_cycle::{
     CycleInput, ENOUGH_SEGMENTS, FaceLoad, HARMONICS, Harmonic, LoadCase, MeshCycle, harmonics,
 };
 pub use models::{ElasticModels, ModelError, ModelSettings, RootModels, StageProgress};
+pub use revolution::{Order, Revolution};
 pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
 
 /// The contact of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m).

@@ -10,7 +10,7 @@ use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 
 use crate::finite_element::{
-    FiniteElementError, ModelCache, Origin, PairCompliance, RootStress, Settings, Stage,
+    FiniteElementError, ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, cut_pair,
     pair_root_stress,
 };
 
@@ -53,7 +53,7 @@ impl ModelSettings {
     pub fn are_cached(&self, pair: &Pair) -> Result<bool, FiniteElementError> {
         match &self.cache {
             Some(cache) => {
-                PairCompliance::is_kept(&pair.geometry, &self.finite_elements(pair), cache)
+                PairCompliance::is_kept(&cut_pair(pair), &self.finite_elements(pair), cache)
             }
             None => Ok(false),
         }
@@ -134,8 +134,8 @@ impl ElasticModels {
         progress: StageProgress,
     ) -> Result<ElasticModels, ModelError> {
         let begin = Instant::now();
-        let models = PairCompliance::new(
-            &pair.geometry,
+        let models = PairCompliance::of(
+            pair,
             &settings.finite_elements(pair),
             settings.cache.as_ref(),
             &report("elastic model", progress),

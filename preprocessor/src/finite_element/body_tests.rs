@@ -3,8 +3,8 @@
 use super::mesh::Layers;
 use super::tests::{model, plane, segment};
 use super::*;
-use crate::gear::Refinement;
 use crate::gear::body::Stub;
+use crate::gear::{BodyShape, HoleCircle, Refinement, UnevenBody};
 use crate::samples;
 use approx::assert_relative_eq;
 use gearmesh::gear::{Body, GearKind};
@@ -43,16 +43,7 @@ fn thin_rims_and_pinion_shafts_give_way_like_an_independent_model_of_the_whole_g
         let mut settings = Settings::new(Refinement::Normal, 2);
         let kernel = 1e-3 * case["kernel_half_width_mm"].as_f64().unwrap();
         settings.discretization.kernel_half_width = kernel / gear.normal_module;
-        let segments: Vec<Segment> = (case["strips"].as_array().unwrap().iter())
-            .map(|segment| {
-                let ends = |key: &str| [0, 1].map(|i| 1e-3 * segment[key][i].as_f64().unwrap());
-                Segment {
-                    tooth: segment["tooth"].as_i64().unwrap() as i32,
-                    z: ends("z_mm"),
-                    roll: ends("diameter_mm").map(|d| gear.roll_length(0.5 * d)),
-                }
-            })
-            .collect();
+        let segments = segments_of(case, &gear);
         let bulk = |gear: &Gear| 1e9 * model(gear, &settings).bulk(&segments).unwrap();
         let found = bulk(&gear);
         for (i, row) in found.row_iter().enumerate() {
@@ -74,6 +65,63 @@ fn thin_rims_and_pinion_shafts_give_way_like_an_independent_model_of_the_whole_g
             );
         }
     }
+}
+
+/// The segments of a `case` on `gear`.
+fn segments_of(case: &Value, gear: &Gear) -> Vec<Segment> {
+    let of_strip = |strip: &Value| {
+        let ends = |key: &str| [0, 1].map(|i| 1e-3 * strip[key][i].as_f64().unwrap());
+        Segment {
+            tooth: strip["tooth"].as_i64().unwrap() as i32,
+            z: ends("z_mm"),
+            roll: ends("diameter_mm").map(|d| gear.roll_length(0.5 * d)),
+        }
+    };
+    case["strips"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(of_strip)
+        .collect()
+}
+
+#[test]
+fn teeth_above_and_between_the_holes_of_a_web_give_way_like_an_independent_model_of_the_whole_gear()
+{
+    let text = include_str!("../../../tests/data/web_holes.json");
+    let data: Value = serde_json::from_str(text).unwrap();
+    let case = &data["cases"][0];
+    let gear = gear_of(case);
+    let body = gear.body.unwrap();
+    let number = |key: &str| case["web_holes"][key].as_f64().unwrap();
+    let uneven = UnevenBody {
+        radius: body.rim_radius,
+        z: body.web,
+        shape: BodyShape::Holes(HoleCircle {
+            count: number("count") as u32,
+            circle_radius: 0.5e-3 * number("circle_mm"),
+            radius: 0.5e-3 * number("diameter_mm"),
+            angle: 0.0,
+        }),
+    };
+    let mut settings = Settings::new(Refinement::Normal, 4);
+    let kernel = 1e-3 * case["kernel_half_width_mm"].as_f64().unwrap();
+    settings.discretization.kernel_half_width = kernel / gear.normal_module;
+    let on_foundation = model(&super::uneven::cut_from(&gear, &uneven), &settings);
+    let wheel = on_foundation.on_body(&gear, &uneven, &settings, None, &|_, _| true);
+    let segments = segments_of(case, &gear);
+    let found = 1e9 * wheel.unwrap().at_tooth(0).unwrap().bulk(&segments).unwrap();
+    let expected = |i: usize, j: usize| case["influence_nm_per_n"][i][j].as_f64().unwrap();
+    for (i, row) in found.row_iter().enumerate() {
+        for (j, found) in row.iter().enumerate() {
+            assert_relative_eq!(*found, expected(i, j), max_relative = 3e-3);
+        }
+    }
+    // Of the teeth themselves 5 % hang on where they stand.
+    let varies = |of: &dyn Fn(usize) -> f64| (of(1) - of(0)) / of(0);
+    let modulation = varies(&|i| expected(i, i));
+    assert!(modulation > 0.04);
+    assert_relative_eq!(varies(&|i| found[(i, i)]), modulation, max_relative = 3e-2);
 }
 
 /// Of 20 teeth, the rim inside at 28 mm, the hub at 20 mm, the bore at 15 mm.

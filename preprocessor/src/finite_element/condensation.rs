@@ -31,6 +31,8 @@ pub(super) struct CondensedSector {
     pub held_influence: DMatrix<f64>,
     /// Numbers kept at most at a time.
     pub numbers: usize,
+    /// How fast displacements of each unknown of a side fade with the order of a harmonic ([`fading`]).
+    pub fading: Vec<f64>,
 }
 
 /// Parts of at most so many elements are not cut further.
@@ -101,7 +103,31 @@ pub(super) fn condense(
         side_loads,
         held_influence,
         numbers,
+        fading: fading(mesh),
     })
+}
+
+/// For each unknown of a side a rate c: in a harmonic of the order n loads on the teeth move it by about e^{-c (n - 1)} of what they move the
+/// root. Towards the axis (of a ring away from it) displacements of a disc go as r^{n - 1}, and along a cylinder of the radius R
+/// beyond the face they fade faster than e^{-(n - 1) z / R}.
+fn fading(mesh: &Mesh) -> Vec<f64> {
+    let place = |node: usize| {
+        let [x, y, z] = mesh.points[node];
+        [x.hypot(y), z]
+    };
+    let places = mesh.fillet.iter().map(|node| place(*node));
+    let Some([root, _]) = places.clone().next() else {
+        return vec![0.0; mesh.dimension * mesh.sides[0].len()];
+    };
+    let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [_, z]| {
+        [low.min(z), high.max(z)]
+    });
+    let rate = |node: &usize| {
+        let [radius, z] = place(*node);
+        let beyond = (low - z).max(z - high).max(0.0);
+        vec![(root / radius).ln().abs() + beyond / root; mesh.dimension]
+    };
+    mesh.sides[0].iter().flat_map(rate).collect()
 }
 
 /// Elements that are taken together, and their unknowns, numbered in the order of elimination: the inside, the sides of the

@@ -86,6 +86,9 @@ pub(super) fn place_and_tangents(
 
 /// An integration point of an element.
 pub(super) struct IntegrationPoint {
+    /// Values of the nodes' shape functions.
+    pub shapes: Vec<f64>,
+    pub place: Vector3<f64>,
     /// Gradients of the nodes' shape functions in space, 1/m.
     pub gradient: Vec<[f64; 3]>,
     /// Determinant of the Jacobian, m^d; <= 0 on a folded element.
@@ -107,45 +110,56 @@ fn gauss(axis: usize, dimension: usize) -> &'static [(f64, f64)] {
     }
 }
 
-/// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid).
-pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
+/// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid), or of each of its `parts` by `parts` parts in its
+/// plane.
+pub(super) fn integration_points(x: &[[f64; 3]], parts: usize) -> Vec<IntegrationPoint> {
     let (dimension, nodes) = kind(x.len());
     let point = |at: [f64; 3], weight: f64| {
         let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, &at)).collect();
         // dx_j / dxi_i; a plane element is one unit deep.
-        let (_, mut tangents) = place_and_tangents(&shapes, x);
+        let (place, mut tangents) = place_and_tangents(&shapes, x);
         if dimension == 2 {
             tangents[2] = Vector3::z();
         }
         let j = Matrix3::from_columns(&tangents).transpose();
         let jacobian = j.determinant();
         let inverse = j.try_inverse().unwrap_or_default();
-        let in_space = |(_, gradient)| (inverse * Vector3::from(gradient)).into();
+        let in_space = |(_, gradient): &(f64, _)| (inverse * Vector3::from(*gradient)).into();
         IntegrationPoint {
-            gradient: shapes.into_iter().map(in_space).collect(),
+            gradient: shapes.iter().map(in_space).collect(),
+            shapes: shapes.iter().map(|(value, _)| *value).collect(),
+            place,
             jacobian,
             volume: jacobian * weight,
         }
     };
-    let mut points = Vec::with_capacity(27);
-    for &(zeta, w2) in gauss(2, dimension) {
-        for &(eta, w1) in &GAUSS3 {
-            points.extend(GAUSS3.map(|(xi, w0)| point([xi, eta, zeta], w0 * w1 * w2)));
+    let scale = 1.0 / parts as f64;
+    let middle = |part: usize| (2 * part + 1) as f64 * scale - 1.0;
+    let mut points = Vec::with_capacity(27 * parts * parts);
+    for (i, j) in (0..parts * parts).map(|part| (part / parts, part % parts)) {
+        for &(zeta, w2) in gauss(2, dimension) {
+            for &(eta, w1) in &GAUSS3 {
+                points.extend(GAUSS3.map(|(xi, w0)| {
+                    let at = [middle(i) + scale * xi, middle(j) + scale * eta, zeta];
+                    point(at, w0 * w1 * w2 * scale * scale)
+                }));
+            }
         }
     }
     points
 }
 
 /// Stiffness matrix of an element of `material` (Young's modulus, Pa, and Poisson ratio), N/m (plane strain: N/m per metre of
-/// depth), `dimension` displacements per node; `x` as in [`integration_points`].
-pub(super) fn stiffness(x: &[[f64; 3]], material: [f64; 2]) -> DMatrix<f64> {
-    let (dimension, _) = kind(x.len());
+/// depth), `dimension` displacements per node, from its [`integration_points`].
+pub(super) fn stiffness(points: &[IntegrationPoint], material: [f64; 2]) -> DMatrix<f64> {
+    let nodes = points[0].shapes.len();
+    let (dimension, _) = kind(nodes);
     let [youngs_modulus, poisson_ratio] = material;
     let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
     let lambda = 2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio);
-    let size = dimension * x.len();
+    let size = dimension * nodes;
     let mut k = vec![0.0; size * size];
-    for point in integration_points(x) {
+    for point in points {
         for (a, ga) in point.gradient.iter().enumerate() {
             for (b, gb) in point.gradient.iter().enumerate().skip(a) {
                 let dot = mu * point.volume * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
@@ -170,9 +184,17 @@ pub(super) fn stiffness(x: &[[f64; 3]], material: [f64; 2]) -> DMatrix<f64> {
     DMatrix::from_vec(size, size, k)
 }
 
-/// Adds to the stiffness matrix `k` of an element (see [`stiffness`]) a foundation of `stiffness` N/m³, alike in all
-/// directions, under the face whose nodes are those that `rest`; without such a face nothing.
-pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &mut DMatrix<f64>) {
+/// An integration point of a face of an element.
+pub(super) struct FacePoint {
+    /// Values of the shape functions of the element's nodes.
+    pub shapes: Vec<f64>,
+    pub place: Vector3<f64>,
+    /// Its area, m² (plane: length, m).
+    pub area: f64,
+}
+
+/// The integration points of the face of an element with the nodes `x` whose nodes are those that `rest`; none without such a face.
+pub(super) fn face_points(x: &[[f64; 3]], rest: &[bool]) -> Vec<FacePoint> {
     let (dimension, nodes) = kind(x.len());
     let on_face = |d: usize, end: f64| {
         let mut face = nodes.iter().zip(rest).filter(|(c, _)| c[d] == end);
@@ -180,9 +202,10 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
     };
     let sides = (0..dimension).flat_map(|d| [(d, -1.0), (d, 1.0)]);
     let Some((normal, end)) = sides.into_iter().find(|(d, end)| on_face(*d, *end)) else {
-        return;
+        return vec![];
     };
     let along: Vec<usize> = (0..dimension).filter(|d| *d != normal).collect();
+    let mut points = Vec::with_capacity(9);
     for &(a, wa) in &GAUSS3 {
         for &(b, wb) in gauss(2, dimension) {
             let mut xi = [0.0; 3];
@@ -192,17 +215,35 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
                 xi[*d] = b;
             }
             let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, &xi)).collect();
-            let (_, tangents) = place_and_tangents(&shapes, x);
+            let (place, tangents) = place_and_tangents(&shapes, x);
             // A plane element is one unit deep.
             let second = along.get(1).map_or(Vector3::z(), |d| tangents[*d]);
-            let area = tangents[along[0]].cross(&second).norm();
-            for (i, (ni, _)) in shapes.iter().enumerate() {
-                for (j, (nj, _)) in shapes.iter().enumerate() {
-                    let value = stiffness * wa * wb * area * ni * nj;
-                    for d in 0..dimension {
-                        k[(dimension * i + d, dimension * j + d)] += value;
-                    }
-                }
+            points.push(FacePoint {
+                place,
+                area: wa * wb * tangents[along[0]].cross(&second).norm(),
+                shapes: shapes.into_iter().map(|(value, _)| value).collect(),
+            });
+        }
+    }
+    points
+}
+
+/// Adds to the stiffness matrix `k` of an element (see [`stiffness`]) a foundation of `stiffness` N/m³, alike in all
+/// directions, under the face whose nodes are those that `rest`; without such a face nothing.
+pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &mut DMatrix<f64>) {
+    let (dimension, _) = kind(x.len());
+    for point in face_points(x, rest) {
+        add_springs(&point.shapes, stiffness * point.area, dimension, k);
+    }
+}
+
+/// Adds springs of the `stiffness` N/m, alike in all directions, where the shape functions have the values `shapes`.
+pub(super) fn add_springs(shapes: &[f64], stiffness: f64, dimension: usize, k: &mut DMatrix<f64>) {
+    for (i, ni) in shapes.iter().enumerate() {
+        for (j, nj) in shapes.iter().enumerate() {
+            let value = stiffness * ni * nj;
+            for d in 0..dimension {
+                k[(dimension * i + d, dimension * j + d)] += value;
             }
         }
     }
@@ -264,8 +305,9 @@ mod tests {
                 c[2] + 0.06 * c[0] * c[1],
             ]
         });
-        let k = stiffness(&x, [1.0, 0.3]);
-        let volume: f64 = integration_points(&x).iter().map(|p| p.volume).sum();
+        let points = integration_points(&x, 1);
+        let k = stiffness(&points, [1.0, 0.3]);
+        let volume: f64 = points.iter().map(|p| p.volume).sum();
         let stretch = [[0.3, 0.1, -0.2], [0.05, -0.4, 0.15], [0.25, 0.0, 0.2]];
         let rotation = [[0.0, 0.3, -0.1], [-0.3, 0.0, 0.2], [0.1, -0.2, 0.0]];
         for g in [stretch, rotation] {

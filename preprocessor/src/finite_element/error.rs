@@ -11,8 +11,8 @@ pub enum FiniteElementError {
     Profile(#[from] ProfileError),
     /// Plane strain of a gear whose body is not the same along the face.
     #[error(
-        "plane strain knows no web: leave out `--plane-strain`, or take rim_thickness_mm and web_thickness_mm \
-         out of the pair file"
+        "plane strain knows no web and no body of another shape: leave out `--plane-strain`, or take rim_thickness_mm and \
+         web_thickness_mm, or the body, out of the pair file"
     )]
     PlaneBody,
     /// An element is folded: smallest ratio of the Jacobian inside an element to its largest value.

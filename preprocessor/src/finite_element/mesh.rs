@@ -4,7 +4,7 @@ use super::element;
 use super::section::{Outline, Section};
 use super::settings::{Discretization, graded_from_both};
 use gearmesh::gear::{Body, Gear};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -109,12 +109,58 @@ pub(super) struct Mesh {
     pub on_held_surface: Vec<bool>,
     /// Stiffness (N/m³, in each direction) of the foundation on which that surface rests, if it does.
     pub foundation: Option<f64>,
+    /// A hole along the axis, or a pin in it.
+    pub hole: Option<Hole>,
     /// Free nodes of both sides in the same order.
     pub sides: [Vec<usize>; 2],
     /// Unit loads along the outward normals on the nodes of the loaded flank, in the order of [`super::flank::FlankGrid`].
     pub loads: Vec<LoadColumn>,
     /// Nodes of root circle and fillet next to the loaded flank, in the same order.
     pub fillet: Vec<usize>,
+}
+
+/// A round hole along the axis through elements that know nothing of it: where they are cut, the integration has many points (finite cell
+/// method: Parvizian, Duester, Rank, Comput. Mech. 41, 2007).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hole {
+    /// x and y of its middle, m.
+    pub middle: [f64; 2],
+    /// m.
+    pub radius: f64,
+    /// Whether a rigid pin fills it.
+    pub pin: bool,
+}
+
+/// Parts, along and across, of an element that the edge of a hole cuts.
+const PARTS: usize = 6;
+/// What is left of the stiffness in a hole.
+const EMPTY: f64 = 1e-7;
+/// Stiffness per volume of what holds a pin, over Young's modulus and over the square of its radius.
+const PIN: f64 = 1e3;
+
+impl Hole {
+    /// As [`element::stiffness`] of the element with the nodes `x`.
+    fn stiffness(self, x: &[[f64; 3]], material: [f64; 2]) -> DMatrix<f64> {
+        let distance = |x: f64, y: f64| (x - self.middle[0]).hypot(y - self.middle[1]);
+        let inside = x.iter().filter(|[x, y, _]| distance(*x, *y) < self.radius);
+        let is_cut = ![0, x.len()].contains(&inside.count());
+        let mut points = element::integration_points(x, if is_cut { PARTS } else { 1 });
+        let is_inside = |place: &Vector3<f64>| distance(place.x, place.y) < self.radius;
+        if self.pin {
+            let mut k = element::stiffness(&points, material);
+            let spring = PIN * material[0] / self.radius.powi(2);
+            for point in points.iter().filter(|point| is_inside(&point.place)) {
+                element::add_springs(&point.shapes, spring * point.volume, 3, &mut k);
+            }
+            return k;
+        }
+        for point in &mut points {
+            if is_inside(&point.place) {
+                point.volume *= EMPTY;
+            }
+        }
+        element::stiffness(&points, material)
+    }
 }
 
 /// How much the section of `gear` turns along z, rad/m; right-handed.
@@ -169,7 +215,12 @@ impl Mesh {
             let angle = theta + twist * z;
             mesh.points.push([r * angle.cos(), r * angle.sin(), z]);
             mesh.angles.push(angle);
-            let on_surface = section.held.binary_search(node).is_ok();
+            // Where the body is narrower than the face its rim stands free.
+            let within = gear.body.is_none_or(|body| {
+                let [low, high] = body.hub;
+                low - 1e-9 <= z && z <= high + 1e-9
+            });
+            let on_surface = within && section.held.binary_search(node).is_ok();
             let at_end = layers.is_some_and(|layers| layers.is_held(*half));
             (mesh.held).push(at_end || on_surface && gear.foundation.is_none());
             mesh.on_held_surface.push(on_surface);
@@ -208,7 +259,10 @@ impl Mesh {
     /// Stiffness of the element with `nodes`, N/m, the displacements of each in its own cylindrical axes.
     pub fn stiffness(&self, nodes: &[usize]) -> DMatrix<f64> {
         let x = self.coordinates(nodes);
-        let mut k = element::stiffness(&x, self.material);
+        let mut k = match self.hole {
+            Some(hole) => hole.stiffness(&x, self.material),
+            None => element::stiffness(&element::integration_points(&x, 1), self.material),
+        };
         if let Some(stiffness) = self.foundation {
             let rests = nodes.iter().map(|node| self.on_held_surface[*node]);
             element::add_foundation(&x, &rests.collect::<Vec<_>>(), stiffness, &mut k);
@@ -234,7 +288,7 @@ impl Mesh {
         let mut volume = 0.0;
         let mut quality = f64::INFINITY;
         for nodes in &self.elements {
-            let points = element::integration_points(&self.coordinates(nodes));
+            let points = element::integration_points(&self.coordinates(nodes), 1);
             let jacobians = || points.iter().map(|point| point.jacobian);
             let largest = jacobians().fold(f64::MIN, f64::max);
             let smallest = jacobians().fold(f64::MAX, f64::min);

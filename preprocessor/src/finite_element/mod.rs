@@ -14,6 +14,7 @@
 
 mod cache;
 mod condensation;
+mod cylinder;
 mod dense;
 mod element;
 mod error;
@@ -24,16 +25,19 @@ mod ring;
 mod root_stress;
 mod section;
 mod settings;
+mod uneven;
 
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
 pub use model::{Progress, Stage, centre_line_compliance, sector_unknowns};
 pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};
+pub(crate) use uneven::{basis as body_basis, stiffness as body_stiffness};
 
 use crate::compliance::{self, BeyondModel, Load, ToothCompliance};
-use crate::gear::body;
+use crate::gear::{Pair, UnevenBody, body};
 use cache::Stored;
+use cylinder::Cut;
 use flank::{FlankGrid, Weights};
 use gearmesh::contact::Segment;
 use gearmesh::gear::{Flank, Gear, PairGeometry};
@@ -42,6 +46,7 @@ use model::Model;
 use nalgebra::DMatrix;
 use std::ops::Range;
 use std::sync::Arc;
+use uneven::BodyChange;
 
 /// Progress of both gears: the number of the gear (0 or 1) in front of what [`Progress`] is called with.
 type PairProgress<'a> = dyn Fn(usize, Stage, f64) -> bool + Sync + 'a;
@@ -50,7 +55,9 @@ type PairProgress<'a> = dyn Fn(usize, Stage, f64) -> bool + Sync + 'a;
 #[derive(Debug, Clone)]
 pub struct FiniteElementCompliance {
     grid: FlankGrid,
-    influence: Influence,
+    influence: Arc<Influence>,
+    /// If the gear is cut from its body, which is no solid of revolution.
+    body: Option<BodyChange>,
     plane_strain: bool,
     /// Of the base helix; plane strain alone needs it.
     cos_base_helix: f64,
@@ -76,7 +83,8 @@ impl FiniteElementCompliance {
             let (influence, origin) = cache::get(cache, &model, "", compute)?;
             let found = FiniteElementCompliance {
                 grid: model.grid,
-                influence,
+                influence: Arc::new(influence),
+                body: None,
                 plane_strain: settings.plane_strain,
                 cos_base_helix: gear.base_helix_angle().cos(),
                 turned: None,
@@ -93,6 +101,43 @@ impl FiniteElementCompliance {
             model.turned = Some(Box::new(turned));
         }
         Ok((model, origin))
+    }
+
+    /// This model of `gear` without its `uneven_body` on that body; settings and cache as those of this model.
+    fn on_body(
+        &self,
+        gear: &Gear,
+        uneven_body: &UnevenBody,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+        progress: &Progress<'_>,
+    ) -> Result<Self, FiniteElementError> {
+        let basis = uneven::basis(gear, uneven_body);
+        let cut = uneven::cut_from(gear, uneven_body);
+        let condensing = |share| progress(Stage::Condensation, share);
+        let of_teeth = |gear: &Gear| {
+            let model = Model::new(gear, settings)?;
+            let basis = cylinder::Basis {
+                z: gear.body.map_or(basis.z, |body| body.web),
+                ..basis
+            };
+            let compute = || Cut::new(&basis, &model.mesh(), gear.teeth, &condensing);
+            let (found, _) = cache::get(cache, &model, &format!("{basis:?} "), compute)?;
+            Ok::<_, FiniteElementError>(Arc::new(found))
+        };
+        let own = of_teeth(&cut)?;
+        let other = match body::turned(&cut) {
+            Some(turned) => of_teeth(&turned)?,
+            None => own.clone(),
+        };
+        let stiffness = uneven::stiffness(gear, uneven_body, &basis)?;
+        let mut turned = self.turned.as_deref().unwrap_or(self).clone();
+        turned.body = Some(BodyChange::new(gear, basis, &stiffness, other, true)?);
+        Ok(FiniteElementCompliance {
+            body: Some(BodyChange::new(gear, basis, &stiffness, own, false)?),
+            turned: Some(Box::new(turned)),
+            ..self.clone()
+        })
     }
 
     /// `loads` on the nodes of the flank.
@@ -170,6 +215,18 @@ impl FiniteElementCompliance {
                 }
             }
         }
+        if let Some(body) = &self.body {
+            let [of_rows, of_columns] = [rows, columns].map(|loads| {
+                let loads = loads.iter().map(|load| (load.tooth, &load.weights));
+                body.coordinates(loads)
+            });
+            let change = body.work(&of_rows, &of_columns);
+            for i in 0..rows.len() {
+                for j in wanted(i) {
+                    work[(i, j)] += change[(i, j)];
+                }
+            }
+        }
         work
     }
 
@@ -227,6 +284,22 @@ impl ToothCompliance for FiniteElementCompliance {
         }
         matrix.fill_upper_triangle_with_lower_triangle();
         Ok(matrix)
+    }
+
+    fn at_tooth(&self, tooth: i32) -> Option<Arc<dyn ToothCompliance>> {
+        let body = self.body.as_ref()?;
+        let turned = self
+            .turned
+            .as_deref()
+            .map(|turned| FiniteElementCompliance {
+                body: turned.body.as_ref().map(|body| body.at_tooth(tooth)),
+                ..turned.clone()
+            });
+        Some(Arc::new(FiniteElementCompliance {
+            body: Some(body.at_tooth(tooth)),
+            turned: turned.map(Box::new),
+            ..self.clone()
+        }))
     }
 
     fn work(
@@ -447,6 +520,29 @@ pub struct PairModels<T> {
 pub type PairCompliance = PairModels<FiniteElementCompliance>;
 
 impl PairCompliance {
+    /// Models of `pair` with its bodies; see [`PairCompliance::new`].
+    ///
+    /// # Errors
+    /// As there; [`FiniteElementError::PlaneBody`] for a body that is no solid of revolution in plane strain.
+    pub fn of(
+        pair: &Pair,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+        progress: &PairProgress<'_>,
+    ) -> Result<PairCompliance, FiniteElementError> {
+        let mut models = PairCompliance::new(&cut_pair(pair), settings, cache, progress)?;
+        for (i, body) in pair.bodies.iter().enumerate() {
+            if let Some(body) = body {
+                let (gear, progress) = (&pair.geometry.gears[i], |stage, share| {
+                    progress(i, stage, share)
+                });
+                let model = models.gears[i].on_body(gear, body, settings, cache, &progress)?;
+                models.gears[i] = Arc::new(model);
+            }
+        }
+        Ok(models)
+    }
+
     /// Whether `cache` holds both models, sound or not.
     ///
     /// # Errors
@@ -480,6 +576,17 @@ impl PairCompliance {
             FiniteElementCompliance::new(gear, settings, cache, progress)
         })
     }
+}
+
+/// The geometry of `pair`, its teeth cut from bodies that are no solids of revolution.
+pub(crate) fn cut_pair(pair: &Pair) -> PairGeometry {
+    let mut geometry = pair.geometry.clone();
+    for (gear, body) in geometry.gears.iter_mut().zip(&pair.bodies) {
+        if let Some(body) = body {
+            *gear = uneven::cut_from(gear, body);
+        }
+    }
+    geometry
 }
 
 /// The maps of gear 1 and gear 2 of `pair` loaded on `flank` (of gear 1), the same one twice for equal gears; `settings` are

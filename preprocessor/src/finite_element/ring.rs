@@ -24,7 +24,7 @@ use super::condensation::CondensedSector;
 use super::dense::{eliminate, product};
 use super::error::FiniteElementError;
 use gearmesh::random::Random;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
@@ -32,6 +32,9 @@ use std::ops::{Range, RangeInclusive};
 /// What is left out of the side loads over their largest product with a vector of random numbers.
 pub(super) const LEFT_OUT: f64 = 1e-8;
 const BLOCK: usize = 64;
+/// Unknowns of a side that a harmonic moves by less than about this part of what it moves the root are held in it: the energy of loads
+/// then misses about its square.
+const LEAST_MOVED: f64 = 2e-4;
 
 /// Response of the functionals of `sector` (of its loads where it has none) to unit loads on sector 0, m/N: for each k of `sectors` a
 /// matrix with functionals of sector k in rows, loads in columns. `solved` are the harmonics of the ring of `teeth` for these.
@@ -42,28 +45,15 @@ pub(super) fn response(
     solved: &[Solved],
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
-    let g = &sector.side_loads;
-    let loads = sector.held_influence.ncols();
-    let functionals = g.ncols() - sector.held_influence.nrows()..g.ncols();
-    let largest = |columns: Range<usize>| {
-        let norms = columns.map(|j| g.column(j).norm());
-        norms.fold(f64::MIN_POSITIVE, f64::max)
-    };
-    // Modes leave out what is small: functionals are of another unit than loads.
-    let unit = largest(functionals.clone()) / largest(0..loads);
-    let mut alike = g.clone();
-    alike.columns_range_mut(loads..).scale_mut(unit.recip());
-    let (modes, shares) = side_modes(&alike);
-    let of_loads = shares.columns_range(..loads);
-    let of_functionals = shares.columns_range(functionals).transpose();
-    let ring = of_modes(sector, &modes, teeth, solved, progress)?;
+    let sides = Sides::new(sector);
+    let ring = of_modes(sector, &sides.modes, teeth, solved, progress)?;
     let of_sector = |k: i32| {
         let ring = &ring[k.unsigned_abs() as usize];
         let half = match k < 0 {
-            true => product(ring.transpose().as_view(), of_loads),
-            false => product(ring.as_view(), of_loads),
+            true => product(ring.transpose().as_view(), sides.loads.as_view()),
+            false => product(ring.as_view(), sides.loads.as_view()),
         };
-        let response = product(of_functionals.as_view(), half.as_view()) * unit;
+        let response = product(sides.functionals.as_view(), half.as_view()) * sides.unit;
         if k == 0 {
             response + &sector.held_influence
         } else {
@@ -71,6 +61,108 @@ pub(super) fn response(
         }
     };
     Ok(sectors.map(of_sector).collect())
+}
+
+/// How loads and functionals of a sector act on its sides.
+struct Sides {
+    modes: DMatrix<f64>,
+    /// Modes by loads.
+    loads: DMatrix<f64>,
+    /// Functionals by modes, over `unit`.
+    functionals: DMatrix<f64>,
+    unit: f64,
+}
+
+impl Sides {
+    fn new(sector: &CondensedSector) -> Sides {
+        let g = &sector.side_loads;
+        let loads = sector.held_influence.ncols();
+        let functionals = g.ncols() - sector.held_influence.nrows()..g.ncols();
+        let largest = |columns: Range<usize>| {
+            let norms = columns.map(|j| g.column(j).norm());
+            norms.fold(f64::MIN_POSITIVE, f64::max)
+        };
+        // Modes leave out what is small: functionals are of another unit than loads.
+        let unit = largest(functionals.clone()) / largest(0..loads);
+        let mut alike = g.clone();
+        alike.columns_range_mut(loads..).scale_mut(unit.recip());
+        let (modes, shares) = side_modes(&alike);
+        Sides {
+            loads: shares.columns_range(..loads).into_owned(),
+            functionals: shares.columns_range(functionals).transpose(),
+            modes,
+            unit,
+        }
+    }
+}
+
+/// A ring of condensed sectors under loads that go around it in waves.
+pub(super) struct Waves<'a> {
+    sector: &'a CondensedSector,
+    teeth: usize,
+    sides: Sides,
+    /// Of the harmonics from 0 on, as [`of_harmonic`] gives them.
+    harmonics: Vec<DMatrix<f64>>,
+}
+
+impl<'a> Waves<'a> {
+    /// For waves up to the order `orders`.
+    pub fn new(
+        sector: &'a CondensedSector,
+        teeth: u32,
+        orders: usize,
+    ) -> Result<Waves<'a>, FiniteElementError> {
+        let sides = Sides::new(sector);
+        let harmonics = (0..=orders.min(teeth as usize / 2)).into_par_iter();
+        let harmonics = harmonics.map(|n| of_harmonic(sector, &sides.modes, n, teeth));
+        Ok(Waves {
+            harmonics: harmonics.collect::<Result<_, _>>()?,
+            sector,
+            teeth: teeth as usize,
+            sides,
+        })
+    }
+
+    /// Response of the functionals of sector 0 (of the loads where there are none) where on sector k the real and the imaginary part of
+    /// `e^{2 pi i n k / teeth}` times the complex load act, n the `order`: by functionals and columns, m/N. The loads are columns of the
+    /// sector: those from `real` on in their real part, those from `imaginary` on, if any, in their imaginary part, `count` of each.
+    pub fn response(
+        &self,
+        order: usize,
+        [real, imaginary]: [Option<usize>; 2],
+        count: usize,
+    ) -> DMatrix<Complex<f64>> {
+        // Harmonics n and z - n are conjugate.
+        let harmonic = order % self.teeth;
+        let folded = harmonic.min(self.teeth - harmonic);
+        let turned = if folded == harmonic { 1.0 } else { -1.0 };
+        let few = self.sides.modes.ncols();
+        let lower = &self.harmonics[folded];
+        let ring = DMatrix::from_fn(few, few, |i, j| {
+            let (row, column, sense) = if i >= j {
+                (i, j, turned)
+            } else {
+                (j, i, -turned)
+            };
+            let [re, im] = [0, 1].map(|part| lower[(row, 2 * column + part)]);
+            Complex::new(re, sense * im)
+        });
+        let complex = |matrix: &DMatrix<f64>| {
+            let part = |first: Option<usize>| {
+                let columns = first.map(|first| matrix.columns(first, count).into_owned());
+                columns.unwrap_or_else(|| DMatrix::zeros(matrix.nrows(), count))
+            };
+            part(real).zip_map(&part(imaginary), Complex::new)
+        };
+        let half = ring * complex(&self.sides.loads);
+        let held = complex(&self.sector.held_influence);
+        let by_parts = |part: fn(&Complex<f64>) -> f64| {
+            let half = half.map(|x| part(&x));
+            product(self.sides.functionals.as_view(), half.as_view()) * self.sides.unit
+        };
+        let response = by_parts(|x| x.re).zip_map(&by_parts(|x| x.im), Complex::new);
+        response + held
+    }
 }
 
 /// Response of the ring to the forces `modes` on the sides of sector 0: element k along those of sector k. Those of sector -k
@@ -92,8 +184,7 @@ fn of_modes(
     let mut done = 0;
     for batch in solved.chunks(at_once) {
         let found: Result<Vec<_>, _> = (batch.par_iter())
-            .map(|s| 2.0 * PI * s.harmonic as f64 / f64::from(teeth))
-            .map(|phi| of_harmonic(sector, modes, phi))
+            .map(|s| of_harmonic(sector, modes, s.harmonic, teeth))
             .collect();
         for (harmonic, found) in batch.iter().zip(found?) {
             for (out, [even_weight, odd_weight]) in ring.iter_mut().zip(&harmonic.weights) {
@@ -117,28 +208,33 @@ fn of_modes(
     Ok(ring)
 }
 
-/// q^H K^-1 q of the forces `modes` on the sides in the harmonic of the phase `phi`: the lower triangle, each column a real and an
+/// q^H K^-1 q of the forces `modes` on the sides in a harmonic of the ring of `teeth`: the lower triangle, each column a real and an
 /// imaginary one.
 fn of_harmonic(
     sector: &CondensedSector,
     modes: &DMatrix<f64>,
-    phi: f64,
+    harmonic: usize,
+    teeth: u32,
 ) -> Result<DMatrix<f64>, FiniteElementError> {
-    let m = sector.sides.nrows() / 2;
+    let half = sector.sides.nrows() / 2;
     let few = modes.ncols();
     let full = |i: usize, j: usize| sector.sides[(i.max(j), i.min(j))];
-    let (sin, cos) = phi.sin_cos();
+    let (sin, cos) = (2.0 * PI * harmonic as f64 / f64::from(teeth)).sin_cos();
+    // Unknowns that this harmonic does not reach are held.
+    let farthest = -LEAST_MOVED.ln() / (harmonic.max(2) - 1) as f64;
+    let moving: Vec<usize> = (0..half).filter(|i| sector.fading[*i] < farthest).collect();
+    let m = moving.len();
     let mut columns = DMatrix::zeros(m + few, 2 * m);
-    for j in 0..m {
-        for i in j..m {
-            let (ahead, behind) = (full(i, m + j), full(m + i, j));
-            let direct = full(i, j) + full(m + i, m + j);
-            columns[(i, 2 * j)] = direct + cos * (ahead + behind);
-            columns[(i, 2 * j + 1)] = sin * (ahead - behind);
+    for (column, j) in moving.iter().copied().enumerate() {
+        for (row, i) in moving.iter().copied().enumerate().skip(column) {
+            let (ahead, behind) = (full(i, half + j), full(half + i, j));
+            let direct = full(i, j) + full(half + i, half + j);
+            columns[(row, 2 * column)] = direct + cos * (ahead + behind);
+            columns[(row, 2 * column + 1)] = sin * (ahead - behind);
         }
         for i in 0..few {
-            columns[(m + i, 2 * j)] = modes[(j, i)] + cos * modes[(m + j, i)];
-            columns[(m + i, 2 * j + 1)] = sin * modes[(m + j, i)];
+            columns[(m + i, 2 * column)] = modes[(j, i)] + cos * modes[(half + j, i)];
+            columns[(m + i, 2 * column + 1)] = sin * modes[(half + j, i)];
         }
     }
     let mut rest = DMatrix::zeros(few, 2 * few);
@@ -362,6 +458,7 @@ mod tests {
     use crate::finite_element::mesh::LoadColumn;
     use crate::finite_element::model::Model;
     use crate::gear::Refinement;
+    use crate::gear::body::{self, Stub};
     use crate::samples;
     use gearmesh::gear::{Body, GearKind};
 
@@ -399,6 +496,34 @@ mod tests {
                 let error = (few - all).amax();
                 assert!(error < 1e-8 * largest, "{error:e} of {largest:e}");
             }
+        }
+    }
+
+    #[test]
+    fn depths_that_a_harmonic_does_not_reach_change_influences_by_less_than_a_ten_millionth() {
+        let mut pinion = samples::gear(GearKind::External, 37, 1.0, 20.0, 0.0);
+        let stub = |radius, held| Stub {
+            radius,
+            length: 30e-3,
+            held,
+        };
+        let stubs = [stub(30e-3, true), stub(50e-3, false)];
+        pinion.body = Some(body::shaft(stubs, pinion.face_width));
+        pinion.held_radius = 3e-3;
+        let model = Model::new(&pinion, &Settings::new(Refinement::Coarse, 0)).unwrap();
+        let mesh = model.mesh();
+        let columns: Vec<LoadColumn> = mesh.loads.iter().step_by(7).cloned().collect();
+        let mut sector = condense(&mesh, &columns, columns.len(), &|_| true).unwrap();
+        let of = |sector: &CondensedSector| {
+            response(sector, 37, 0..=2, &solved(37, 2), &|_| true).unwrap()
+        };
+        let found = of(&sector);
+        let far = |rate: &&f64| **rate > -LEAST_MOVED.ln() / 10.0;
+        assert!(sector.fading.iter().filter(far).count() > sector.fading.len() / 5);
+        sector.fading.fill(0.0);
+        for (found, all) in found.iter().zip(&of(&sector)) {
+            let (error, largest) = ((found - all).amax(), all.amax());
+            assert!(error < 1e-7 * largest, "{error:e} of {largest:e}");
         }
     }
 

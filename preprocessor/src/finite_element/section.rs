@@ -372,6 +372,30 @@ impl Section {
         section
     }
 
+    /// A sector of the body of `gear` from the `radius` (m) on, without teeth, at these `angles` (rad, ascending, at half steps), in elements of about
+    /// `size` (m).
+    pub fn of_body(gear: &Gear, radius: f64, angles: &[f64], size: f64) -> Section {
+        let web = gear.body.map_or(gear.held_radius, |body| body.hub_radius);
+        let parts = [
+            ([radius, web], gear.body.map(|body| body.web)),
+            ([web, gear.held_radius], gear.body.map(|body| body.hub)),
+        ];
+        let mut radii = vec![radius];
+        let mut section = Section::default();
+        for ([from, to], width) in parts.into_iter().filter(|([a, b], _)| a != b) {
+            let ends = divide(from, to, size);
+            section.widths.extend(vec![width; ends.len() - 1]);
+            radii.extend(&halved(&ends)[1..]);
+        }
+        let grid = vec![vec![NO_NODE; radii.len()]; angles.len()];
+        let grid = section.block([0, -1], grid, |i, j| [radii[j], angles[i]]);
+        let lowest = radii.len() - 1;
+        section.sides = [&grid[0], &grid[angles.len() - 1]].map(|side| side[..=lowest].to_vec());
+        section.held = grid.iter().map(|column| column[lowest]).collect();
+        section.held.sort_unstable();
+        section
+    }
+
     /// Adds a block of elements, and at `place` (column, row) the nodes that `grid` does not have yet. Cells count on from `first`
     /// away from cell (0, 0).
     fn block(

@@ -1,5 +1,8 @@
 //! A gear pair with all that preparing its contact starts from, SI.
 
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::body;
@@ -95,6 +98,65 @@ impl Shaft {
     }
 }
 
+/// A body that is no solid of revolution: what holds teeth and rim at a cylinder below the teeth (of a ring outside of them).
+///
+/// Angles count from body +x in +theta, z from the gear's z = 0 face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnevenBody {
+    /// Radius of the cylinder, m.
+    pub radius: f64,
+    /// Ends of the cylinder along the axis, m.
+    pub z: [f64; 2],
+    /// What it is.
+    pub shape: BodyShape,
+}
+
+/// What an [`UnevenBody`] is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BodyShape {
+    /// Its stiffness at nodes on the cylinder.
+    Nodes(Arc<NodalStiffness>),
+    /// Web and hub of the gear with round holes through the web.
+    Holes(HoleCircle),
+    /// The rest of a ring, its outside free, held all over the cross-sections of pins or bolts through it.
+    Pins(HoleCircle),
+    /// The rest of a ring, held over parts of its outside.
+    Supports {
+        /// At equal distances.
+        count: u32,
+        /// Of each, rad.
+        width: f64,
+        /// Where the middle of one of them lies, rad.
+        angle: f64,
+    },
+}
+
+/// Equal round holes at equal distances on a circle about the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HoleCircle {
+    /// Number of holes.
+    pub count: u32,
+    /// Radius of the circle through their middles, m.
+    pub circle_radius: f64,
+    /// Radius of each, m.
+    pub radius: f64,
+    /// Where the middle of one of them lies, rad.
+    pub angle: f64,
+}
+
+/// Stiffness of a body at nodes on a cylinder, its supports included.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalStiffness {
+    /// The nodes, m.
+    pub points: Vec<[f64; 3]>,
+    /// Symmetric and positive definite, N/m; the displacements of a node along x, y and z follow each other.
+    pub stiffness: DMatrix<f64>,
+    /// Highest harmonic of the angle that the nodes resolve.
+    pub orders: usize,
+    /// Number of their places along the axis.
+    pub stations: usize,
+}
+
 /// A gear pair that has passed all checks, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
@@ -116,6 +178,8 @@ pub struct Pair {
     pub friction: FrictionLaw,
     /// Shafts of gear 1 and gear 2 on their bearings. Static analyses alone know them: tables end at the gears.
     pub shafts: [Option<Shaft>; 2],
+    /// Bodies of gear 1 and gear 2 that are no solids of revolution. Tables and contact at run time have their mean over all angles.
+    pub bodies: [Option<UnevenBody>; 2],
     /// What is legal but worth knowing, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -132,7 +196,8 @@ impl Pair {
         // Faces are given to a micrometre at best.
         let shares_middle = (middle(0) - middle(1)).abs() < 1e-9;
         let BothFlanks { drive, coast } = &self.microgeometry;
-        shares_middle
+        let are_even = self.bodies.iter().all(Option::is_none);
+        (shares_middle && are_even)
             && (self.geometry.gears.iter()).all(|gear| body::turned(gear).is_none())
             && drive == coast
             && drive.iter().all(Microgeometry::is_symmetric)

@@ -205,6 +205,14 @@ with_modifications! {
         pub hub_offset_mm: Option<f64>,
         /// In place of rim, web and hub; external gears. `bore_diameter_mm` is then its bore, free; default: solid.
         pub shaft: Option<ShaftFile>,
+        /// In place of bore, rim, web and hub, and of the rim of a ring.
+        pub body_matrix: Option<BodyMatrixFile>,
+        /// Through the web, or the disc, of an external gear.
+        pub web_holes: Option<HolesFile>,
+        /// Of a ring, whose outside is then free.
+        pub rim_pins: Option<HolesFile>,
+        /// Of a ring, whose outside is held there alone.
+        pub rim_supports: Option<SupportsFile>,
         /// Default: rigid.
         pub rim_foundation_n_per_mm3: Option<f64>,
         #[serde(default = "default_youngs_modulus")]
@@ -266,6 +274,43 @@ impl GearFile {
             ("coast_flank.", own(&self.coast_flank)),
         ]
     }
+}
+
+/// `body_matrix` of a gear: the stiffness of its body, supports included, at nodes on a cylinder below the teeth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyMatrixFile {
+    /// CSV with x_mm, y_mm, z_mm.
+    pub nodes_file: String,
+    /// Matrix Market.
+    pub stiffness_n_per_mm_file: String,
+    /// From body +x of the gear to the x axis of the nodes. Default 0.
+    #[serde(default)]
+    pub angle_deg: f64,
+}
+
+/// Equal round holes, or pins, at equal distances.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HolesFile {
+    pub count: u32,
+    /// Through their middles.
+    pub circle_diameter_mm: f64,
+    pub diameter_mm: f64,
+    /// From body +x to one of them. Default 0.
+    #[serde(default)]
+    pub angle_deg: f64,
+}
+
+/// Equal parts of the outside of a ring at equal distances.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SupportsFile {
+    pub count: u32,
+    pub width_deg: f64,
+    /// From body +x to the middle of one of them. Default 0.
+    #[serde(default)]
+    pub angle_deg: f64,
 }
 
 /// `shaft` of a gear: its pieces on both sides of the face, up to where the shaft of the multibody model takes over, and the

@@ -3,6 +3,7 @@
 //! [`from_json`] knows every field (docs/pair-file.md), fills in the defaults and refuses what cannot work, naming field,
 //! value and remedy ([`Refusal`]); all that can be found come at once. What is legal but worth knowing comes as [`Pair::warnings`].
 
+mod bodies;
 mod checks;
 pub mod drawing;
 mod file;
@@ -185,10 +186,13 @@ fn resolve_pair(
     notes.extend(mesh::warnings(&geometry, &profiles));
     let meshing = mesh::check_center_distances(file, &geometry, &profiles)
         .and_then(|notes| mesh::check_tooth_difference(&geometry).map(|()| notes));
-    let (in_mesh, (flanks, shafts)) = both(
+    let (in_mesh, ((flanks, bodies), shafts)) = both(
         meshing,
         both(
-            flanks::of_pair(file, &geometry, folder),
+            both(
+                flanks::of_pair(file, &geometry, folder),
+                bodies::of_pair(file, &geometry, folder),
+            ),
             shafts::of_pair(file, &geometry),
         ),
     )?;
@@ -201,6 +205,9 @@ fn resolve_pair(
         notes.push(NOTE_ON_SHAFTS.into());
     }
     notes.extend(shafts::note(file, &geometry, &shafts));
+    if bodies.iter().any(Option::is_some) {
+        notes.push(NOTE_ON_BODIES.into());
+    }
     Ok(Pair {
         name: file.name.clone(),
         teeth,
@@ -215,10 +222,15 @@ fn resolve_pair(
         friction,
         warnings: notes,
         shafts,
+        bodies,
         geometry,
         microgeometry,
     })
 }
+
+/// Where bodies count that are no solids of revolution.
+const NOTE_ON_BODIES: &str = "a body is no solid of revolution: `solve --revolution` follows it over a turn; all other results, tables and FMU \
+                              are those of its mean over all angles; root stress knows no holes and a ring that is held all around";
 
 /// Sets centre distance and backlash; a note on profile shifts that do not fit.
 fn in_mesh(file: &PairFile, geometry: &mut PairGeometry) -> Result<Option<String>, Refusal> {

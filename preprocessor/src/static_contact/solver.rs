@@ -14,7 +14,7 @@ use gearmesh::contact::{
     along_segment, finite,
 };
 use gearmesh::friction::{FrictionLaw, Sliding, SlidingSums};
-use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
+use gearmesh::gear::{Flank, PairGeometry, PairTeeth, first_teeth};
 
 /// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
 const TRIED: [f64; 2] = [0.0, 0.5];
@@ -192,6 +192,21 @@ impl ContactSolver {
         let settings = &mut self.setup.settings;
         settings.stations = RUN_TIME_STATIONS.min(settings.stations);
         settings.own_share = OWN_SHARE_AT_RUN_TIME;
+        self
+    }
+
+    /// The same pair after so many mesh cycles of `gear` (0 or 1), loaded on `flank`: its body is turned on by as many teeth where it
+    /// is no solid of revolution.
+    #[must_use]
+    pub fn after(mut self, flank: Flank, gear: usize, cycles: u32) -> ContactSolver {
+        let geometry = &self.setup.geometry;
+        let sense = flank.sign() * if gear == 0 { 1.0 } else { geometry.e() };
+        let first = first_teeth(geometry, flank)[gear] * sense as i32;
+        // Pair k is tooth k of gear 1 and tooth -k of gear 2 in canonical coordinates, and one less each cycle.
+        let tooth = first + [-1, 1][gear] * cycles as i32;
+        if let Some(turned) = self.compliance[gear].at_tooth(tooth) {
+            self.compliance[gear] = turned;
+        }
         self
     }
 

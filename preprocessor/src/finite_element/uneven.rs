@@ -1,0 +1,264 @@
+//! Bodies that are no solids of revolution ([`super::cylinder`]): their stiffness, and what it changes in the influences of loads.
+
+use super::cache::Stored;
+use super::cylinder::{Basis, Cut};
+use super::error::FiniteElementError;
+use super::flank::Weights;
+use super::mesh::{Hole, Layers, Mesh};
+use super::section::{Outline, Section};
+use super::settings::{Discretization, divide, halved};
+use crate::gear::{BodyShape, HoleCircle, Refinement, ToothProfile, UnevenBody};
+use gearmesh::gear::{Body, Gear};
+use nalgebra::DMatrix;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// The gear with a foundation in place of `body`.
+pub(super) fn cut_from(gear: &Gear, body: &UnevenBody) -> Gear {
+    Gear {
+        held_radius: body.radius,
+        foundation: Some(basis(gear, body).foundation(gear)),
+        body: Some(Body {
+            rim_radius: body.radius,
+            web: body.z,
+            hub_radius: body.radius,
+            hub: body.z,
+            held_ends: [false; 2],
+        }),
+        ..gear.clone()
+    }
+}
+
+/// The basis in which `body` joins the rim of `gear`.
+pub fn basis(gear: &Gear, body: &UnevenBody) -> Basis {
+    let basis = Basis::new(gear, body.radius, body.z);
+    match &body.shape {
+        BodyShape::Nodes(nodes) => Basis {
+            orders: basis.orders.min(nodes.orders),
+            polynomials: basis.polynomials.min(nodes.stations),
+            ..basis
+        },
+        _ => basis,
+    }
+}
+
+/// Stiffness of the `body` of `gear` in `basis`, N/m.
+///
+/// # Errors
+/// A body of finite elements that takes more memory than there is, or is not held.
+pub fn stiffness(
+    gear: &Gear,
+    body: &UnevenBody,
+    basis: &Basis,
+) -> Result<DMatrix<f64>, FiniteElementError> {
+    let pattern = match &body.shape {
+        BodyShape::Nodes(nodes) => return Ok(basis.projected(&nodes.points, &nodes.stiffness)),
+        BodyShape::Holes(circle) => Pattern::of_circle(circle, false),
+        BodyShape::Pins(circle) => Pattern::of_circle(circle, true),
+        BodyShape::Supports {
+            count,
+            width,
+            angle,
+        } => Pattern {
+            count: *count,
+            angle: *angle,
+            size: (width * gear.held_radius).min((body.radius - gear.held_radius).abs()) / ELEMENTS,
+            hole: None,
+            support: Some(*width),
+        },
+    };
+    let foundation = basis.foundation(gear);
+    let mesh = pattern.mesh(gear, body.radius, foundation)?;
+    let mut stiffness = basis.stiffness(&mesh, pattern.count, foundation)?;
+    // Symmetric: turned rows become columns, and then they are turned, too.
+    for _ in 0..2 {
+        basis.turn(stiffness.as_view_mut(), pattern.angle);
+        stiffness.transpose_mut();
+    }
+    Ok(stiffness)
+}
+
+/// Elements in the radius of a hole, and in the width of a support or its distance from the cylinder.
+const ELEMENTS: f64 = 3.0;
+
+/// What comes again all around a body.
+struct Pattern {
+    count: u32,
+    /// Where one of it lies, rad.
+    angle: f64,
+    /// Of the elements, m.
+    size: f64,
+    hole: Option<Hole>,
+    /// Width of a support, rad.
+    support: Option<f64>,
+}
+
+impl Pattern {
+    fn of_circle(circle: &HoleCircle, pin: bool) -> Pattern {
+        Pattern {
+            count: circle.count,
+            angle: circle.angle,
+            size: circle.radius / ELEMENTS,
+            hole: Some(Hole {
+                middle: [circle.circle_radius, 0.0],
+                radius: circle.radius,
+                pin,
+            }),
+            support: None,
+        }
+    }
+
+    /// Mesh of a sector of the body of `gear` from the `radius` (m) on, about one hole or support at angle 0, its cylinder on a `foundation`
+    /// (N/m³).
+    fn mesh(&self, gear: &Gear, radius: f64, foundation: f64) -> Result<Mesh, FiniteElementError> {
+        let size = self.size.min(gear.normal_module);
+        let (end, stop) = (
+            0.5 * TAU / f64::from(self.count),
+            0.5 * self.support.unwrap_or(0.0),
+        );
+        let mut angles = vec![-end];
+        for ends in [-end, -stop, stop, end]
+            .windows(2)
+            .filter(|ends| ends[0] < ends[1])
+        {
+            let middle = 0.5 * (radius + gear.held_radius);
+            angles.extend(&divide(ends[0], ends[1], size / middle)[1..]);
+        }
+        let is_bore_held = self.support.is_none() && self.hole.is_none_or(|hole| !hole.pin);
+        // Straight: round bodies are the same along any helix.
+        let gear = Gear {
+            helix_angle: 0.0,
+            foundation: (!is_bore_held).then_some(foundation),
+            ..gear.clone()
+        };
+        let section = Section::of_body(&gear, radius, &halved(&angles), size);
+        let layers = Layers::new(&gear, &Discretization::of(Refinement::Normal));
+        let outline = Outline::new(&ToothProfile::new(&gear)?);
+        let mut mesh = Mesh::new(&gear, &outline, &section, Some(&layers));
+        let is_on =
+            |point: &[f64; 3], radius: f64| (point[0].hypot(point[1]) / radius - 1.0).abs() < 1e-9;
+        if self.support.is_some() {
+            let places = mesh.points.iter().zip(&mesh.angles);
+            let rests = places
+                .map(|(point, angle)| is_on(point, gear.held_radius) && angle.abs() < stop + 1e-9);
+            mesh.held = rests.collect();
+        }
+        mesh.on_held_surface = mesh
+            .points
+            .iter()
+            .map(|point| is_on(point, radius))
+            .collect();
+        mesh.foundation = Some(foundation);
+        mesh.hole = self.hole;
+        Ok(mesh)
+    }
+}
+
+/// Change of the influences of teeth on a foundation by the body that takes its place.
+#[derive(Debug, Clone)]
+pub(super) struct BodyChange {
+    basis: Basis,
+    teeth: u32,
+    cut: Arc<Cut>,
+    /// D of the body as it stands, in canonical coordinates of the gear.
+    whole: Arc<DMatrix<f64>>,
+    /// Its mean over all angles.
+    mean: Arc<DMatrix<f64>>,
+    /// Angle of tooth 0, rad.
+    origin: f64,
+    /// Which tooth is tooth 0 of segments; None: the mean of all.
+    first: Option<i32>,
+}
+
+impl BodyChange {
+    /// By a body of this `stiffness` (N/m, in `basis`) under the teeth of `gear` that are `cut` from it, seen in a mirror of z if it `is_mirrored`.
+    pub fn new(
+        gear: &Gear,
+        basis: Basis,
+        stiffness: &DMatrix<f64>,
+        cut: Arc<Cut>,
+        is_mirrored: bool,
+    ) -> Result<BodyChange, FiniteElementError> {
+        // Right-handed, its loaded flank facing +theta: `PairGeometry::is_mirrored`.
+        let sense = if is_mirrored { -gear.hand } else { gear.hand };
+        let stiffness = basis.mirrored(stiffness, sense < 0.0, is_mirrored);
+        let whole = cut.change(&stiffness, basis.foundation(gear))?;
+        let half_pitch = 0.5 * TAU / gear.z();
+        Ok(BodyChange {
+            basis,
+            teeth: gear.teeth,
+            cut,
+            mean: Arc::new(basis.mean(&whole)),
+            whole: Arc::new(whole),
+            // Body +x is the middle of a space of a ring.
+            origin: if gear.kappa() < 0.0 {
+                -sense * half_pitch
+            } else {
+                0.0
+            },
+            first: None,
+        })
+    }
+
+    pub fn at_tooth(&self, first: i32) -> BodyChange {
+        BodyChange {
+            first: Some(first),
+            ..self.clone()
+        }
+    }
+
+    /// Coordinates of the cylinder, turned to the body, under `loads`: the tooth and weights on its flank nodes of each.
+    pub fn coordinates<'l>(
+        &self,
+        loads: impl ExactSizeIterator<Item = (i32, &'l Weights)>,
+    ) -> DMatrix<f64> {
+        let mut coordinates = DMatrix::zeros(self.basis.len(), loads.len());
+        for (j, (tooth, weights)) in loads.enumerate() {
+            let mut column = coordinates.columns_range_mut(j..=j);
+            for (node, weight) in weights {
+                let of_node = self.cut.by_flank.column(*node);
+                column.zip_apply(&of_node, |sum, value| *sum += weight * value);
+            }
+            let tooth = tooth + self.first.unwrap_or(0);
+            let angle = TAU * f64::from(tooth) / f64::from(self.teeth);
+            self.basis.turn(column, angle + self.origin);
+        }
+        coordinates
+    }
+
+    /// What the change of the body adds to the work of loads with the coordinates `rows` on displacements by those with `columns`, m N.
+    pub fn work(&self, rows: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let change = match self.first {
+            Some(_) => &*self.whole,
+            None => &*self.mean,
+        };
+        rows.transpose() * (change * columns)
+    }
+}
+
+impl Stored for Cut {
+    fn encode(&self) -> Vec<u8> {
+        let size = [self.by_flank.nrows(), self.by_flank.ncols()];
+        let size = size.into_iter().flat_map(|n| (n as u64).to_le_bytes());
+        let numbers = self.by_flank.iter().chain(self.compliance.iter());
+        size.chain(numbers.flat_map(|x| x.to_le_bytes())).collect()
+    }
+
+    fn decode(bytes: &[u8]) -> Option<Cut> {
+        let words = bytes.as_chunks::<8>();
+        let words = (words.1.is_empty()).then_some(words.0)?;
+        let ([rows, columns], numbers) = words.split_first_chunk()?;
+        let [rows, columns] = [rows, columns].map(|n| u64::from_le_bytes(*n) as usize);
+        let count = rows.checked_mul(columns)?;
+        let size = count.checked_add(rows.checked_mul(rows)?)?;
+        let numbers: Vec<f64> = numbers.iter().map(|x| f64::from_le_bytes(*x)).collect();
+        (numbers.len() == size).then(|| Cut {
+            by_flank: DMatrix::from_column_slice(rows, columns, &numbers[..count]),
+            compliance: DMatrix::from_column_slice(rows, rows, &numbers[count..]),
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "uneven_tests.rs"]
+mod tests;

@@ -1,0 +1,593 @@
+//! Bodies that are no solids of revolution: `body_matrix`, `web_holes`, `rim_pins` and `rim_supports` of a gear.
+
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::gear::{BodyShape, HoleCircle, NodalStiffness, UnevenBody};
+use gearmesh::gear::{Gear, GearKind, PairGeometry};
+use gearmesh::words::rounded;
+use nalgebra::DMatrix;
+use serde::Deserialize;
+
+use super::checks::{Refusal, Refusals, both, check, ensure, in_gear, limits, refusal};
+use super::file::{BodyMatrixFile, GearFile, HolesFile, MM, PairFile};
+use super::text;
+use crate::finite_element::{body_basis, body_stiffness};
+use crate::storage::csv_reader;
+
+/// The bodies of both gears, None where the file gives none.
+pub(super) fn of_pair(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    folder: &Path,
+) -> Result<[Option<UnevenBody>; 2], Refusals> {
+    let of = |i: usize| of_gear(file.gear(i), &geometry.gears[i], i, folder);
+    both(of(0), of(1)).map(|(one, two)| [one, two])
+}
+
+fn of_gear(
+    g: &GearFile,
+    gear: &Gear,
+    i: usize,
+    folder: &Path,
+) -> Result<Option<UnevenBody>, Refusals> {
+    let given = [
+        ("body_matrix", g.body_matrix.is_some()),
+        ("web_holes", g.web_holes.is_some()),
+        ("rim_pins", g.rim_pins.is_some()),
+        ("rim_supports", g.rim_supports.is_some()),
+    ];
+    let mut given = given.into_iter().filter(|(_, given)| *given);
+    let Some((name, _)) = given.next() else {
+        return Ok(None);
+    };
+    if let Some((other, _)) = given.next() {
+        return Err(
+            refusal!(in_gear(i, other) => "a body"; "`{name}` is given, too"; "give one of them")
+                .into(),
+        );
+    }
+    let is_ring = gear.kind == GearKind::Ring;
+    ensure!(name == "body_matrix" || is_ring == name.starts_with("rim"), in_gear(i, name) => "a body";
+        "the gear is {}", if is_ring { "a ring" } else { "no ring" };
+        "give `rim_pins` or `rim_supports` for a ring, `web_holes` for another gear, `body_matrix` for either");
+    let is_held = gear.foundation.is_some() || gear.body.is_some_and(|body| body.is_shaft());
+    ensure!(!is_held, in_gear(i, name) => "a body";
+        "`shaft` or `rim_foundation_n_per_mm3` of the gear is given, too"; "leave that out");
+    let of_rim = ring_cylinder(gear);
+    Ok(Some(
+        match (&g.body_matrix, g.web_holes, g.rim_pins, g.rim_supports) {
+            (Some(matrix), ..) => {
+                ensure!(gear.body.is_none(), in_gear(i, name) => &matrix.nodes_file; "rim and web of the gear are given, too";
+                "leave them out: the matrix holds all that lies beyond its nodes");
+                of_matrix(matrix, gear, i, folder)?
+            }
+            (_, Some(holes), ..) => {
+                let (radius, z, inner) = match gear.body {
+                    Some(body) => (body.rim_radius, body.web, body.hub_radius),
+                    None => (
+                        gear.root_radius() - DEPTH * gear.normal_module,
+                        [0.0, gear.face_width],
+                        gear.held_radius,
+                    ),
+                };
+                let shape =
+                    BodyShape::Holes(circle(&holes, gear, &in_gear(i, name), [inner, radius])?);
+                UnevenBody { radius, z, shape }
+            }
+            (_, _, Some(pins), _) => UnevenBody {
+                shape: BodyShape::Pins(circle(
+                    &pins,
+                    gear,
+                    &in_gear(i, name),
+                    [of_rim.radius, gear.held_radius],
+                )?),
+                ..of_rim
+            },
+            (.., Some(supports)) => {
+                let path = in_gear(i, name) + ".";
+                check(
+                    &format!("{path}count"),
+                    f64::from(supports.count),
+                    [1.0, MOST_HOLES],
+                )?;
+                check(
+                    &format!("{path}angle_deg"),
+                    supports.angle_deg,
+                    [-360.0, 360.0],
+                )?;
+                let pitch = 360.0 / f64::from(supports.count);
+                check(
+                    &format!("{path}width_deg"),
+                    supports.width_deg,
+                    [0.01 * pitch, 0.95 * pitch],
+                )?;
+                UnevenBody {
+                    shape: BodyShape::Supports {
+                        count: supports.count,
+                        width: supports.width_deg.to_radians(),
+                        angle: supports.angle_deg.to_radians(),
+                    },
+                    ..of_rim
+                }
+            }
+            _ => of_rim,
+        },
+    ))
+}
+
+/// Most holes, pins or supports: as many are a web or a rim that is softer.
+const MOST_HOLES: f64 = 60.0;
+/// Depth of the cylinder below the roots of a disc or a ring, normal modules, where holes leave room for it.
+const DEPTH: f64 = 1.25;
+/// Least wall between a hole and another one, or what is below and above it, over its radius.
+const LEAST_WALL: f64 = 0.1;
+
+/// The cylinder in the wall of a ring, with an outside that is free.
+fn ring_cylinder(gear: &Gear) -> UnevenBody {
+    let (root, outside) = (gear.root_radius(), gear.held_radius);
+    UnevenBody {
+        radius: root + (DEPTH * gear.normal_module).min(0.4 * (outside - root)),
+        z: [0.0, gear.face_width],
+        shape: BodyShape::Supports {
+            count: 1,
+            width: TAU,
+            angle: 0.0,
+        },
+    }
+}
+
+/// The holes of the field `path` between two `radii`, m.
+fn circle(
+    holes: &HolesFile,
+    gear: &Gear,
+    path: &str,
+    radii: [f64; 2],
+) -> Result<HoleCircle, Refusals> {
+    let module = gear.normal_module / MM;
+    let [inner, outer] = radii.map(|radius| 2.0 * radius / MM);
+    check(
+        &format!("{path}.count"),
+        f64::from(holes.count),
+        [1.0, MOST_HOLES],
+    )?;
+    limits! { format!("{path}."), holes;
+        circle_diameter_mm: [inner, outer];
+        diameter_mm: [0.25 * module, 0.5 * (outer - inner)];
+        angle_deg: [-360.0, 360.0];
+    }?;
+    let (circle, hole) = (holes.circle_diameter_mm, holes.diameter_mm);
+    let wall = hole * (1.0 + LEAST_WALL);
+    ensure!(circle + wall <= outer && circle - wall >= inner, format!("{path}.diameter_mm") => hole;
+        "reaches beyond the part for it, from {inner:.3} to {outer:.3} mm in diameter, or leaves it a wall of less than {:.3} mm", 0.5 * LEAST_WALL * hole;
+        "choose smaller holes, or another `circle_diameter_mm`");
+    let apart = circle * (PI / f64::from(holes.count)).sin();
+    ensure!(holes.count == 1 || apart >= wall, format!("{path}.count") => holes.count;
+        "the holes of {hole} mm lie {apart:.3} mm apart"; "choose fewer or smaller ones");
+    Ok(HoleCircle {
+        count: holes.count,
+        circle_radius: 0.5 * circle * MM,
+        radius: 0.5 * hole * MM,
+        angle: holes.angle_deg.to_radians(),
+    })
+}
+
+/// Deviation from the mean radius of the nodes that still is their rounding, over the radius.
+const OFF_CYLINDER: f64 = 1e-4;
+/// Least depth of the cylinder below the root, normal modules: nearer to it the teeth are felt.
+const LEAST_DEPTH: f64 = 0.5;
+/// Least length of the cylinder along the axis, normal modules.
+const LEAST_LENGTH: f64 = 0.1;
+/// Harmonics that nodes resolve at least: four nodes a wave.
+const FEWEST_ORDERS: usize = 8;
+/// Most nodes: the matrix has nine times their square as numbers.
+const MOST_NODES: usize = 5000;
+/// Difference of a number to its mirror image over the largest number that still is rounding.
+const UNSYMMETRIC: f64 = 1e-6;
+/// Least over largest stiffness in the basis: a body that is held nowhere has rounding.
+const LEAST_STIFFNESS: f64 = 1e-9;
+/// Largest number of the diagonal over Young's modulus times the distance of the nodes: other materials and meshes within, other units
+/// beyond.
+const USUAL_STIFFNESS: [f64; 2] = [0.01, 100.0];
+
+fn of_matrix(
+    given: &BodyMatrixFile,
+    gear: &Gear,
+    i: usize,
+    folder: &Path,
+) -> Result<UnevenBody, Refusal> {
+    let path = |name: &str| in_gear(i, &format!("body_matrix.{name}"));
+    check(&path("angle_deg"), given.angle_deg, [-360.0, 360.0])?;
+    let read = |field: &str, name: &str| {
+        let path = folder.join(name);
+        text::read(&path).map_err(|error| {
+            refusal!(field => path.display(); "cannot be read: {error}"; "give a file beside the pair file, and that you may read")
+        })
+    };
+    let field = path("nodes_file");
+    let file = &given.nodes_file;
+    let refused = |problem: String, remedy: &str| refusal!(&field => file; "{problem}"; "{remedy}");
+    let mut points = nodes(&read(&field, file)?)
+        .map_err(|problem| refused(problem, "give CSV with the columns x_mm, y_mm and z_mm, a row a node, in the order of the matrix"))?;
+    let count = points.len();
+    ensure!((24..=MOST_NODES).contains(&count), &field => file;
+        "has {count} nodes"; "give all nodes of the body on the cylinder, 24 to {MOST_NODES}");
+    let radii: Vec<f64> = points.iter().map(|[x, y, _]| x.hypot(*y)).collect();
+    let radius = radii.iter().sum::<f64>() / count as f64;
+    let (worst, off) = (radii.iter().enumerate())
+        .map(|(node, r)| (node, (r - radius).abs()))
+        .fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    ensure!(off <= OFF_CYLINDER * radius, &field => file;
+        "node {} lies at the radius {:.4} mm, and the mean of all is {:.4}", worst + 1, radii[worst] / MM, radius / MM;
+        "give nodes on one cylinder about the axis, to {:.4} mm", OFF_CYLINDER * radius / MM);
+    let (root, least) = (gear.root_radius(), LEAST_DEPTH * gear.normal_module);
+    let limit = root - gear.kappa() * least;
+    let is_below = gear.kappa() * (limit - radius) >= 0.0 && (0.2..5.0).contains(&(radius / root));
+    ensure!(is_below, &field => file;
+        "the cylinder has the radius {:.4} mm, and the root circle {:.4}", radius / MM, root / MM;
+        "give coordinates in mm, and a cylinder {} {:.3} mm in radius", if gear.kappa() > 0.0 { "of at most" } else { "of at least" }, limit / MM);
+    let mut z: Vec<f64> = points.iter().map(|[.., z]| *z).collect();
+    z.sort_by(f64::total_cmp);
+    let ends = [z[0], z[count - 1]];
+    let within = -1e-6 <= ends[0] && ends[1] <= gear.face_width + 1e-6;
+    ensure!(within && ends[1] - ends[0] >= LEAST_LENGTH * gear.normal_module, &field => file;
+        "z runs from {:.4} to {:.4} mm, and the face from 0 to {:.4}", ends[0] / MM, ends[1] / MM, gear.face_width / MM;
+        "give z from the gear's z = 0 face, over the part of the face where the body joins the rim");
+    z.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * (ends[1] - ends[0]));
+    let mut angles: Vec<f64> = points.iter().map(|[x, y, _]| y.atan2(*x)).collect();
+    angles.sort_by(f64::total_cmp);
+    angles.push(angles[0] + TAU);
+    let gap = angles.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+    let orders = (0.5 * PI / gap * (1.0 + 1e-6)) as usize;
+    ensure!(orders >= FEWEST_ORDERS, &field => file;
+        "neighbouring nodes lie up to {:.2} deg apart", gap.to_degrees();
+        "give nodes all around, at most {:.2} deg apart", 90.0 / FEWEST_ORDERS as f64);
+    // The body is turned by the angle.
+    let (sin, cos) = given.angle_deg.to_radians().sin_cos();
+    let turned = |[x, y, z]: [f64; 3]| {
+        [
+            cos * x - sin * y,
+            sin * x + cos * y,
+            z.clamp(0.0, gear.face_width),
+        ]
+    };
+    points.iter_mut().for_each(|point| *point = turned(*point));
+
+    let field = path("stiffness_n_per_mm_file");
+    let file = &given.stiffness_n_per_mm_file;
+    let refused = |problem: String, remedy: &str| refusal!(&field => file; "{problem}"; "{remedy}");
+    let stiffness = matrix_market(&read(&field, file)?)
+        .map_err(|problem| refused(problem, "give a file of the Matrix Market, `coordinate` or `array`, `real`, `general` or `symmetric`"))?;
+    let size = 3 * count;
+    ensure!(stiffness.shape() == (size, size), &field => file;
+        "has {} rows and {} columns, and the {count} nodes have {size} displacements", stiffness.nrows(), stiffness.ncols();
+        "give the stiffness condensed to x, y, z of the nodes of `nodes_file`, node by node in that order");
+    let largest = stiffness.amax();
+    let odd = (&stiffness - stiffness.transpose()).amax() / largest;
+    ensure!(odd <= UNSYMMETRIC, &field => file;
+        "is not symmetric: numbers differ from their mirror images by up to {odd:.1e} of the largest"; "give the whole matrix with all its digits, or its lower triangle as `symmetric`");
+    let area = TAU * radius * (ends[1] - ends[0]);
+    let usual = gear.youngs_modulus * (area / count as f64).sqrt() * MM;
+    let share = stiffness.diagonal().amax() / usual;
+    ensure!((USUAL_STIFFNESS[0]..=USUAL_STIFFNESS[1]).contains(&share), &field => file;
+        "its largest number on the diagonal, {:.3e}, is {share:.1e} times Young's modulus times the distance of the nodes", stiffness.diagonal().amax();
+        "give it in N/mm: about {:.0e} there", rounded(usual));
+    let stiffness = rotated(&stiffness, [sin, cos]) / MM;
+    let body = UnevenBody {
+        radius,
+        z: ends.map(|z| z.clamp(0.0, gear.face_width)),
+        shape: BodyShape::Nodes(Arc::new(NodalStiffness {
+            points,
+            stiffness,
+            orders,
+            stations: z.len(),
+        })),
+    };
+    let own = body_stiffness(gear, &body, &body_basis(gear, &body))
+        .map_err(|error| refused(error.to_string(), "give another body"))?
+        .symmetric_eigenvalues();
+    let share = own.min() / own.max();
+    ensure!(share >= LEAST_STIFFNESS, &field => file;
+        "is not positive definite: its least stiffness under smooth displacements of the cylinder is {share:.1e} of the largest";
+        "give it with the body held where it is supported before it is condensed, and with the sign of a stiffness");
+    Ok(body)
+}
+
+/// The nodes in `text`, m.
+fn nodes(text: &str) -> Result<Vec<[f64; 3]>, String> {
+    #[derive(Deserialize)]
+    struct Row {
+        x_mm: f64,
+        y_mm: f64,
+        z_mm: f64,
+    }
+    let rows = csv_reader(text).into_deserialize();
+    let points = rows.map(|row| {
+        let Row { x_mm, y_mm, z_mm } = row.map_err(|error: csv::Error| error.to_string())?;
+        let point = [x_mm, y_mm, z_mm].map(|mm| mm * MM);
+        match point.iter().all(|x| x.is_finite()) {
+            true => Ok(point),
+            false => Err(format!("holds the node {x_mm}, {y_mm}, {z_mm}")),
+        }
+    });
+    points.collect()
+}
+
+/// The matrix in `text`, in the exchange format of the Matrix Market (Boisvert, Pozo, Remington, NISTIR 5935, 1996).
+fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
+    let head = text.lines().next().unwrap_or("").to_lowercase();
+    let words: Vec<&str> = head.split_whitespace().collect();
+    let &[
+        "%%matrixmarket",
+        "matrix",
+        form,
+        "real" | "integer" | "double",
+        kind,
+    ] = &words[..]
+    else {
+        return Err(format!(
+            "begins with `{}`",
+            head.chars().take(60).collect::<String>()
+        ));
+    };
+    let (is_dense, is_symmetric) = match (form, kind) {
+        ("array" | "coordinate", "general" | "symmetric") => (form == "array", kind == "symmetric"),
+        _ => return Err(format!("is `{form} {kind}`")),
+    };
+    let lines = text.lines().enumerate().skip(1);
+    let mut lines = lines.filter(|(_, line)| !line.starts_with('%') && !line.trim().is_empty());
+    let mut numbers = |count: usize| -> Result<Option<Vec<f64>>, String> {
+        let Some((number, line)) = lines.next() else {
+            return Ok(None);
+        };
+        let found: Vec<f64> = line
+            .split_whitespace()
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        let is_fine = found.len() == count && found.iter().all(|x| x.is_finite());
+        match is_fine {
+            true => Ok(Some(found)),
+            false => Err(format!(
+                "has `{}` in line {}, where {count} numbers belong",
+                line.chars().take(60).collect::<String>(),
+                number + 1
+            )),
+        }
+    };
+    let size = numbers(if is_dense { 2 } else { 3 })?.ok_or("has no size")?;
+    let [rows, columns] = [size[0] as usize, size[1] as usize];
+    if rows.max(columns) > 3 * MOST_NODES {
+        return Err(format!("has {rows} rows and {columns} columns"));
+    }
+    let mut matrix = DMatrix::zeros(rows, columns);
+    let mut set = |i: usize, j: usize, value: f64| {
+        matrix[(i, j)] += value;
+        if is_symmetric && i != j {
+            matrix[(j, i)] += value;
+        }
+    };
+    let short = || "ends too early".to_owned();
+    if is_dense {
+        for j in 0..columns {
+            for i in if is_symmetric { j } else { 0 }..rows {
+                set(i, j, numbers(1)?.ok_or_else(short)?[0]);
+            }
+        }
+    } else {
+        for _ in 0..size[2] as usize {
+            let entry = numbers(3)?.ok_or_else(short)?;
+            let [i, j] = [entry[0], entry[1]].map(|at| at as usize);
+            if !(1..=rows).contains(&i) || !(1..=columns).contains(&j) {
+                return Err(format!("has an entry at row {i}, column {j}"));
+            }
+            set(i - 1, j - 1, entry[2]);
+        }
+    }
+    match numbers(1) {
+        Ok(None) => Ok(matrix),
+        _ => Err("goes on after its last number".into()),
+    }
+}
+
+/// `stiffness` of a body turned about the axis by the angle of this sine and cosine.
+fn rotated(stiffness: &DMatrix<f64>, [sin, cos]: [f64; 2]) -> DMatrix<f64> {
+    let mut rotated = stiffness.clone();
+    // Symmetric: turned rows become columns, and then they are turned, too.
+    for _ in 0..2 {
+        for x in (0..rotated.nrows()).step_by(3) {
+            for mut column in rotated.column_iter_mut() {
+                let (a, b) = (column[x], column[x + 1]);
+                (column[x], column[x + 1]) = (cos * a - sin * b, sin * a + cos * b);
+            }
+        }
+        rotated.transpose_mut();
+    }
+    rotated
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use std::fs;
+
+    /// Nodes on a cylinder of `radius` (mm), and springs of `stiffness` (N/mm) at each.
+    fn files(radius: f64, stiffness: f64) -> (Vec<[f64; 3]>, DMatrix<f64>) {
+        let nodes = (0..96 * 5).map(|k| {
+            let (angle, z) = (
+                TAU * f64::from(k % 96) / 96.0,
+                5.0 * f64::from(k / 96) + 2.5,
+            );
+            [radius * angle.cos(), radius * angle.sin(), z]
+        });
+        (
+            nodes.collect(),
+            DMatrix::from_diagonal_element(1440, 1440, stiffness),
+        )
+    }
+
+    fn read(
+        nodes: &[[f64; 3]],
+        matrix: &DMatrix<f64>,
+        symmetric: bool,
+    ) -> Result<UnevenBody, Refusal> {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = nodes.iter().map(|[x, y, z]| format!("{x},{y},{z}\n"));
+        let rows: String = rows.collect();
+        fs::write(
+            folder.path().join("nodes.csv"),
+            format!("x_mm,y_mm,z_mm\n{rows}"),
+        )
+        .unwrap();
+        let (rows, columns) = matrix.shape();
+        let kind = if symmetric { "symmetric" } else { "general" };
+        let entries: Vec<String> = (0..rows * columns)
+            .map(|at| (at % rows, at / rows))
+            .filter(|(i, j)| matrix[(*i, *j)] != 0.0 && (!symmetric || i >= j))
+            .map(|(i, j)| format!("{} {} {}\n", i + 1, j + 1, matrix[(i, j)]))
+            .collect();
+        let head = format!(
+            "%%MatrixMarket matrix coordinate real {kind}\n% springs\n{rows} {columns} {}\n",
+            entries.len()
+        );
+        fs::write(folder.path().join("k.mtx"), head + &entries.concat()).unwrap();
+        let gear = samples::gear(GearKind::External, 36, 1.0, 0.0, 0.0);
+        let given = BodyMatrixFile {
+            nodes_file: "nodes.csv".into(),
+            stiffness_n_per_mm_file: "k.mtx".into(),
+            angle_deg: 30.0,
+        };
+        of_matrix(&given, &gear, 0, folder.path())
+    }
+
+    #[test]
+    fn springs_all_around_are_a_foundation() {
+        let (nodes, matrix) = files(58.0, 1e6);
+        for symmetric in [true, false] {
+            let body = read(&nodes, &matrix, symmetric).unwrap();
+            let BodyShape::Nodes(given) = &body.shape else {
+                panic!()
+            };
+            assert_eq!((given.orders, given.stations), (24, 5));
+            let gear = samples::gear(GearKind::External, 36, 1.0, 0.0, 0.0);
+            let basis = body_basis(&gear, &body);
+            let found = body_stiffness(&gear, &body, &basis).unwrap();
+            // Springs per area of the cylinder, whose edges are the outermost nodes.
+            let area = TAU * 58e-3 * 20e-3;
+            let expected = 1e9 * 480.0 / area;
+            let first = found[(0, 0)];
+            assert!((first / expected - 1.0).abs() < 1e-9, "{first} {expected}");
+            let off = (0..3).map(|i| found[(i, i + 3)].abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9 * expected, "{off}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_or_nodes_that_cannot_be_are_refused_with_a_number_and_a_remedy() {
+        let good = files(58.0, 1e6);
+        let refused =
+            |change: fn(&mut Vec<[f64; 3]>, &mut DMatrix<f64>), field: &str, words: &str| {
+                let (mut nodes, mut matrix) = good.clone();
+                change(&mut nodes, &mut matrix);
+                let refusal = read(&nodes, &matrix, false).unwrap_err();
+                assert!(refusal.field.ends_with(field), "{refusal}");
+                assert!(refusal.problem.contains(words), "{refusal}");
+                assert!(refusal.remedy.starts_with("give"), "{refusal}");
+            };
+        let (nodes, stiffness) = ("nodes_file", "stiffness_n_per_mm_file");
+        refused(
+            |nodes, _| nodes[7][0] += 0.1,
+            nodes,
+            "node 8 lies at the radius",
+        );
+        refused(
+            |nodes, _| *nodes = files(0.058, 0.0).0,
+            nodes,
+            "the cylinder has the radius 0.0580 mm",
+        );
+        refused(
+            |nodes, _| *nodes = files(68.5, 0.0).0,
+            nodes,
+            "the root circle 67.0000",
+        );
+        refused(
+            |nodes, _| nodes.iter_mut().for_each(|n| n[2] += 3.0),
+            nodes,
+            "z runs from 5.5000 to 25.5000 mm",
+        );
+        refused(
+            |nodes, _| nodes.retain(|n| n[0] > -50.0),
+            nodes,
+            "deg apart",
+        );
+        refused(
+            |_, matrix| matrix[(3, 9)] = 1e3,
+            stiffness,
+            "by up to 1.0e-3 of the largest",
+        );
+        refused(
+            |_, matrix| *matrix *= 1e3,
+            stiffness,
+            "times Young's modulus",
+        );
+        refused(
+            |_, matrix| *matrix = DMatrix::identity(9, 9),
+            stiffness,
+            "has 9 rows and 9 columns, and the 480 nodes have 1440",
+        );
+        refused(
+            |_, matrix| matrix.fill_diagonal(-1e6),
+            stiffness,
+            "times Young's modulus",
+        );
+        // Nothing holds it along the axis.
+        refused(
+            |_, matrix| (2..1440).step_by(3).for_each(|i| matrix[(i, i)] = 0.0),
+            stiffness,
+            "is not positive definite",
+        );
+    }
+
+    #[test]
+    fn files_that_are_no_matrix_are_refused() {
+        for (text, words) in [
+            ("", "begins with ``"),
+            (
+                "%%MatrixMarket matrix coordinate complex general\n1 1 0",
+                "begins with",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real skew-symmetric\n1 1 0",
+                "is `coordinate skew-symmetric`",
+            ),
+            ("%%MatrixMarket matrix array real general\n", "has no size"),
+            (
+                "%%MatrixMarket matrix array real general\n1 2\n3\n",
+                "ends too early",
+            ),
+            (
+                "%%MatrixMarket matrix array real general\n1 1\n3\n4\n",
+                "goes on",
+            ),
+            (
+                "%%MatrixMarket matrix array real general\n1 1\nNaN\n",
+                "has `NaN` in line 3",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real general\n1 1 1\n2 1 5\n",
+                "an entry at row 2",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real general\n1e9 1e9 1\n2 1 5\n",
+                "has 1000000000 rows",
+            ),
+        ] {
+            let found = matrix_market(text).unwrap_err();
+            assert!(found.contains(words), "{text}: {found}");
+        }
+        let dense =
+            matrix_market("%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n3\n").unwrap();
+        assert_eq!(dense, DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 3.0]));
+    }
+}

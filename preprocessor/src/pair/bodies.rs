@@ -287,7 +287,7 @@ fn of_matrix(
     let own = body_stiffness(gear, &body, &body_basis(gear, &body))
         .map_err(|error| refused(error.to_string(), "give another body"))?
         .symmetric_eigenvalues();
-    let share = own.min() / own.max();
+    let share = own.min() / own.amax();
     ensure!(share >= LEAST_STIFFNESS, &field => file;
         "is not positive definite: its least stiffness under smooth displacements of the cylinder is {share:.1e} of the largest";
         "give it with the body held where it is supported before it is condensed, and with the sign of a stiffness");
@@ -490,7 +490,9 @@ mod tests {
             |change: fn(&mut Vec<[f64; 3]>, &mut DMatrix<f64>), field: &str, words: &str| {
                 let (mut nodes, mut matrix) = good.clone();
                 change(&mut nodes, &mut matrix);
-                let refusal = read(&nodes, &matrix, false).unwrap_err();
+                let Err(refusal) = read(&nodes, &matrix, false) else {
+                    panic!("{words}")
+                };
                 assert!(refusal.field.ends_with(field), "{refusal}");
                 assert!(refusal.problem.contains(words), "{refusal}");
                 assert!(refusal.remedy.starts_with("give"), "{refusal}");
@@ -539,7 +541,7 @@ mod tests {
         refused(
             |_, matrix| matrix.fill_diagonal(-1e6),
             stiffness,
-            "times Young's modulus",
+            "is not positive definite",
         );
         // Nothing holds it along the axis.
         refused(

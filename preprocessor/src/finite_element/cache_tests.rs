@@ -85,7 +85,7 @@ fn a_moved_node_another_quantity_and_another_version_have_keys_of_their_own() {
     let [left_out, tolerance] = [ring::LEFT_OUT, ring::TOLERANCE];
     let constants = [left_out, tolerance, LARGEST_ENTRY, root_stress::LARGEST];
     assert_eq!(constants, [1e-8, 1e-8, 1_073_741_824.0, 32_000.0]);
-    assert_eq!(VERSION, 7);
+    assert_eq!(VERSION, 8);
 }
 
 #[test]

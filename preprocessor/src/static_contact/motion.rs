@@ -41,8 +41,7 @@ impl OfGear<'_> {
     /// Bulk matrix, lower triangle, m/N.
     pub fn bulk(&self) -> Result<DMatrix<f64>, BeyondModel> {
         let loads: Vec<Load> = (0..self.arms.len()).map(|k| self.alone(k)).collect();
-        let lower = |row| 0..row + 1;
-        (self.model).work(&self.segments, [&loads, &loads], &lower)
+        (self.model).work(&self.segments, [&loads, &loads], &|row| 0..row + 1)
     }
 
     /// One newton on segment `k`.
@@ -200,7 +199,8 @@ impl<'a> Beside<'a> {
                 let square = step * step - strip.middle * strip.middle;
                 bend[k] = share * share * second / square;
             }
-            // The kernels of two places are not alike, least near a tip edge; a line that moves alike has the slope of its own.
+            // Kernels differ from place to place, most near a tip edge, which forces a step apart feel: a line that moves as a whole
+            // does not, and its slope is kept.
             let missing = 0.5 * (rise - tilts) - strip.middle * bend[k];
             own.view_mut((k, strip.members.start), (1, strip.members.len()))
                 .fill(missing / strip.length);

@@ -154,18 +154,9 @@ impl FiniteElementCompliance {
                 let of_segment = weights[*i].iter();
                 of_segment.map(move |(node, weight)| (*node, force * weight))
             });
-            let mut weights: Weights = parts.collect();
-            if load.len() > 1 {
-                weights.sort_unstable_by_key(|(node, _)| *node);
-                weights.dedup_by(|next, kept| {
-                    let same = next.0 == kept.0;
-                    kept.1 += if same { next.1 } else { 0.0 };
-                    same
-                });
-            }
             FlankLoad {
                 tooth: segments[load[0].0].tooth,
-                weights,
+                weights: parts.collect(),
             }
         };
         Ok(loads.iter().map(spread).collect())
@@ -264,7 +255,7 @@ impl FiniteElementCompliance {
     }
 }
 
-/// Forces on the nodes of the flank of one tooth.
+/// Forces on the nodes of the flank of one tooth; a node may come more than once.
 struct FlankLoad {
     tooth: i32,
     weights: Weights,

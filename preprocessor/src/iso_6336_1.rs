@@ -115,8 +115,8 @@ impl NominalContactStress {
         let cos_beta_b = pinion.base_helix_angle().cos();
         let alpha_t = pinion.transverse_pressure_angle();
         let zone = (2.0 * cos_beta_b * phi.cos() / (alpha_t.cos().powi(2) * phi.sin())).sqrt();
-        let plane = |gear: &Gear| (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus;
-        let elasticity = (PI * (plane(pinion) + plane(wheel))).recip().sqrt();
+        let compliance = pinion.plane_compliance() + wheel.plane_compliance();
+        let elasticity = (PI * compliance).recip().sqrt();
         let ratio = pair.transverse_contact_ratio(pair.center_distance);
         let overlap = pair.overlap_ratio().min(1.0);
         let squared = (4.0 - ratio) / 3.0 * (1.0 - overlap) + overlap / ratio;

@@ -52,7 +52,7 @@ impl PairNumbers {
         let (low, width) = geometry.face_overlap();
         let bodies = [0, 1].map(|i| {
             let gear = &geometry.gears[i];
-            let plane_compliance = (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus;
+            let plane_compliance = gear.plane_compliance();
             let angle = FRAC_PI_2 + (gear.tip_form_roll() / gear.base_radius()).atan();
             LocalBody {
                 plane_compliance,

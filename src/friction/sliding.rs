@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::{FrictionLaw, SegmentContact};
-use crate::gear::PairGeometry;
+use crate::gear::{Gear, PairGeometry};
 
 /// Over the base pitch: distance from the pitch point within which the direction of friction turns,
 /// s / sqrt(s² + this²). Of the order of the width of contact, within which flanks neither roll nor slide.
@@ -65,13 +65,12 @@ impl SlidingSums {
     pub fn new(pair: &PairGeometry, law: &FrictionLaw) -> SlidingSums {
         let g = &pair.gears;
         let base_radius = g.each_ref().map(|g| g.base_radius());
-        let softness = |g: &crate::gear::Gear| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus;
         SlidingSums {
             law: *law,
             base_radius,
             kappa: g.each_ref().map(|g| g.kappa()),
             cos_beta_b: pair.base_helix_angle().cos(),
-            plane_compliance: g.iter().map(softness).sum(),
+            plane_compliance: g.iter().map(Gear::plane_compliance).sum(),
             per_roll_angle: g[0].kappa() / (1.0 / base_radius[0] + pair.e() / base_radius[1]),
             rolling_per_angle: base_radius[0] / pair.rolling_speed_per_spin(pair.center_distance),
             transition: TRANSITION_OVER_PITCH * pair.base_pitch(),

@@ -165,6 +165,11 @@ impl Gear {
         roll.hypot(self.base_radius())
     }
 
+    /// (1 - nu²) / E, 1/Pa: compliance in plane strain.
+    pub fn plane_compliance(&self) -> f64 {
+        (1.0 - self.poisson_ratio.powi(2)) / self.youngs_modulus
+    }
+
     /// Refuses numbers that no checked pair file gives; `name` is that of the gear in the file.
     pub(super) fn check(&self, name: &str) -> Result<(), GeometryError> {
         let any = [f64::MIN_POSITIVE, f64::MAX];

@@ -10,7 +10,7 @@ use crate::gear::Shaft;
 use crate::pair::LARGEST_DEFLECTION;
 use crate::static_contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Sliding};
-use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::gear::{Flank, Gear, PairGeometry};
 use gearmesh::words::count;
 
 use crate::shaft::{ShaftState, Shafts};
@@ -260,7 +260,7 @@ impl MeshCycle {
         let deflection = deflections.fold(0.0, f64::max);
         let share = deflection / geometry.gears[0].normal_module;
         let gears = geometry.gears.each_ref();
-        let compliances = gears.map(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus);
+        let compliances = gears.map(Gear::plane_compliance);
         let pressure = self.max_pressure();
         let too_soft = (share > LARGEST_DEFLECTION).then(|| {
             format!(

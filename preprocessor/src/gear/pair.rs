@@ -221,8 +221,7 @@ impl Pair {
         let misalignment = low.max(high);
         let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
         let line_load = (force / g.face_overlap().1).max(triangle);
-        let softness = |g: &Gear| (1.0 - g.poisson_ratio * g.poisson_ratio) / g.youngs_modulus;
-        let softness: f64 = g.gears.iter().map(softness).sum();
+        let softness: f64 = g.gears.iter().map(Gear::plane_compliance).sum();
         (4.0 * line_load * radius * softness / std::f64::consts::PI).sqrt()
     }
 }

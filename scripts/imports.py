@@ -1,4 +1,5 @@
-"""Circles of imports: files, or folders, of a crate that need each other. None may be; `make lint` runs this.
+"""Circles of imports: files, or folders, of a crate that need each other; and verbs of the command that need another verb.
+None may be; `make lint` runs this.
 
     python scripts/imports.py
 """
@@ -11,6 +12,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 CRATES = ["src", "preprocessor/src", "command/src", "validation/src"]
 IMPORT = re.compile(r"(?P<public>\bpub(\(\w+\))? )?\buse (?P<tree>[^;]+);")
+VERB = re.compile(r"^ +\w+\((\w+)::\w+\),$", re.M)
 PATH = re.compile(r"(?<![\w:])(?:[a-z_]\w*::)+\w+")
 
 
@@ -87,13 +89,16 @@ def circle(needs):
 def main():
     found = []
     for crate in CRATES:
-        needs = imports(modules(ROOT / crate))
+        code = modules(ROOT / crate)
+        needs = imports(code)
         folders = {}
         for at, others in needs.items():
             folders.setdefault(at[:1], set()).update({other[:1] for other in others} - {at[:1]})
         for graph, kind in [(needs, "files"), (folders, "folders")]:
             if names := circle(graph):
                 found.append(f"{crate}: circle of {kind}: " + " <- ".join("/".join(name) or "root" for name in names))
+        verbs = {(verb,) for verb in VERB.findall(code[()])}
+        found += [f"{crate}: {verb} imports {other}" for (verb,) in verbs for (other,) in folders.get((verb,), set()) & verbs]
     if found:
         sys.exit("\n".join(found))
 

@@ -11,7 +11,7 @@ use gearmesh_preprocessor::contact::{
     CycleInput, FaceLoad, GearRoots, LoadCase, MeshCycle, Revolution,
 };
 use gearmesh_preprocessor::gear::{Pair, Shaft};
-use gearmesh_preprocessor::shaft::ShaftState;
+use gearmesh_preprocessor::shaft::{BearingLoad, ShaftState};
 use gearmesh_preprocessor::static_contact::{ContactError, ContactResult, ContactSolver};
 
 use crate::columns::{Column, columns};
@@ -240,5 +240,42 @@ pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
         "bent_teeth_peak_to_peak_ste_percent", ["p-p STE by the bend of the teeth", "%", 2] => 100.0 * c.cycle.share_of_bent_teeth()[1];
         "loss_factor", ["loss factor by the load share", "", 4] => c.loss_factor(solver);
         "loss_factor_ohlendorf", ["loss factor of Ohlendorf", "", 4] => ohlendorf(g, center_distance(&c.input));
+    }
+}
+
+/// A bearing of a gear's shaft: gear, number and place (m from the gear's own z = 0 face), and what it bears.
+pub struct BearingRow {
+    gear: usize,
+    number: usize,
+    z: f64,
+    load: BearingLoad,
+}
+
+/// Every bearing of both shafts of `pair` in `state`.
+pub fn bearings(pair: &Pair, state: &ShaftState) -> Vec<BearingRow> {
+    (0..2)
+        .flat_map(|gear| {
+            let given = pair.shafts[gear].iter().flat_map(|shaft| &shaft.bearings);
+            let loads = given.zip(&state.bearings[gear]).enumerate();
+            loads.map(move |(k, (bearing, load))| BearingRow {
+                gear: gear + 1,
+                number: k + 1,
+                z: bearing.z,
+                load: *load,
+            })
+        })
+        .collect()
+}
+
+pub fn bearing_columns() -> Vec<Column<'static, BearingRow>> {
+    columns! { |b: &BearingRow|
+        "gear", ["gear", "", None] => b.gear;
+        "bearing", ["bearing", "", None] => b.number;
+        "z_mm", ["z", "mm", 2] => 1e3 * b.z;
+        "force_x_n", ["F_x", "N", 1] => b.load.linear[0];
+        "force_y_n", ["F_y", "N", 1] => b.load.linear[1];
+        "force_z_n", ["F_z", "N", 1] => b.load.linear[2];
+        "radial_force_n", ["radial", "N", 1] => b.load.linear[0].hypot(b.load.linear[1]);
+        "tilting_moment_nm", ["tilting moment", "N m", 3] => b.load.angular[0].hypot(b.load.angular[1]);
     }
 }

@@ -16,6 +16,7 @@ use crate::columns::{Listing, rows};
 use crate::error::Result;
 use crate::output;
 use crate::pair_summary::{as_json, pair_summary};
+use crate::recipe::run_time_error;
 
 /// Show what is in a pair file, in tables or in an FMU.
 #[derive(Debug, Args)]
@@ -147,12 +148,6 @@ fn start_value(name: &str, value: f64) -> Value {
         Some(Kind::Enumeration) => json!(start_in_words(name, value)),
         _ => json!(value),
     }
-}
-
-pub fn run_time_error(error: Option<&InterpolationError>) -> String {
-    error.map_or("not measured; build the FMU again".into(), |error| {
-        format!("{error}; against static contact on more stations, all teeth alike")
-    })
 }
 
 /// The level that `unit` starts with, and how far its forces were from static contact when the FMU was made; `contact`: at run time.

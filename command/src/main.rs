@@ -6,6 +6,8 @@
 #[macro_use]
 mod error;
 
+mod bands;
+mod cache;
 mod case;
 mod columns;
 mod inspect;
@@ -16,9 +18,11 @@ mod output;
 mod pack;
 mod page;
 mod pair_summary;
+mod recipe;
 mod report;
 mod run_up;
 mod solve;
+mod statistics;
 mod study;
 mod tables;
 
@@ -50,7 +54,7 @@ enum Command {
     Report(report::Report),
     Study(study::Study),
     RunUp(run_up::RunUpCommand),
-    Cache(model::Cache),
+    Cache(cache::Cache),
 }
 
 /// From now on the signals to interrupt and to terminate end the process after the file that is being written.

@@ -1,4 +1,4 @@
-//! Elastic models of teeth: the options of all subcommands that solve contact, where models are kept, and `gearmesh cache`.
+//! Elastic models of teeth: the options of all subcommands that solve contact, and where models are kept.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,19 +6,16 @@ use std::sync::Arc;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::gear::Flank;
-use gearmesh::words::count;
 use gearmesh_preprocessor::compliance::ToothCompliance;
 use gearmesh_preprocessor::contact::{ElasticModels, ModelSettings};
 use gearmesh_preprocessor::finite_element::{ModelCache, Origin, RootStress};
 use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::shaft::held_by_its_shafts;
 use gearmesh_preprocessor::static_contact::ContactSolver;
-use indicatif::HumanDuration;
 
-use crate::columns::Listing;
 use crate::error::Result;
 use crate::limits;
-use crate::output::{self, Job};
+use crate::output::Job;
 
 /// How teeth are modelled.
 #[derive(Debug, Clone, Args)]
@@ -226,48 +223,4 @@ impl CacheArgs {
         let limit = self.cache_limit_mb.saturating_mul(1_000_000);
         Some(ModelCache::new(directory, limit))
     }
-}
-
-/// Show or empty the folder that keeps elastic models of teeth.
-#[derive(Debug, Args)]
-pub struct Cache {
-    /// Remove all models; other files stay
-    #[arg(long)]
-    clear: bool,
-
-    #[command(flatten)]
-    cache: CacheArgs,
-}
-
-impl Cache {
-    pub fn run(self) -> Result<()> {
-        let cache = self.cache.cache();
-        let cache = cache.ok_or("no folder for elastic models: name one with --cache-dir")?;
-        let folder = cache.directory.display();
-        let failed = |error| format!("{folder}: {error}; name another folder with --cache-dir");
-        let models = cache.models().map_err(failed)?;
-        let total = megabytes(models.iter().map(|model| model.bytes).sum());
-        if self.clear {
-            let removed = count(cache.clear().map_err(failed)?, "model");
-            let mut text = format!("{folder}: removed {removed}, {total}\n");
-            for path in cache.others().map_err(failed)? {
-                text += &format!("left {}, which is no model of this cache\n", path.display());
-            }
-            return output::print(&text);
-        }
-        let mut rows = Listing::default();
-        for model in models.iter().rev() {
-            let unused = HumanDuration(model.used.elapsed().unwrap_or_default());
-            let gear = model.gear.as_deref().unwrap_or("model of another version");
-            let size = megabytes(model.bytes);
-            rows.row(gear, format!("{size}, last used {unused} ago"));
-        }
-        let number = count(models.len(), "elastic model");
-        let limit = megabytes(cache.limit);
-        output::print(&format!("{folder}: {number}, {total} of {limit}\n{rows}"))
-    }
-}
-
-fn megabytes(bytes: u64) -> String {
-    format!("{:.1} MB", bytes as f64 / 1e6)
 }

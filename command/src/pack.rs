@@ -12,7 +12,7 @@ use gearmesh_preprocessor::pair;
 use crate::error::{Result, chain};
 use crate::model::ModelArgs;
 use crate::output;
-use crate::tables::{self, Computed, GridArgs};
+use crate::recipe::{self, Computed, GridArgs};
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -156,7 +156,7 @@ impl Build {
         grid.teeth |= set.contains(&Setting::TEETH);
         let contact = self.contact || set.contains(&Setting::CONTACT);
         let Computed { made, text } =
-            tables::compute(&self.pair, &unit.output, &grid, contact, &model)?;
+            recipe::compute(&self.pair, &unit.output, &grid, contact, &model)?;
         let more = format!("; {text}");
         let words = unit.pack_tables(&made.file, made.contact.as_ref(), &libraries, &more)?;
         output::print(&format!("Wrote {words}"))

@@ -12,14 +12,15 @@ use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::static_contact::ContactSolver;
 use gearmesh_preprocessor::{pair, table};
 
+use crate::bands::bands_of;
 use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words};
 use crate::columns::{Column, Listing, columns, lines, list};
 use crate::error::Result;
+use crate::limits;
 use crate::model::{ModelArgs, ShaftArgs, widen};
 use crate::output::{self, Job};
 use crate::page::{Page, Section, origin};
 use crate::pair_summary::pair_summary;
-use crate::{limits, study};
 use sections::{Loads, evenly};
 
 /// Loads of the curves over the nominal torque; 70, 100, 130 N m of the paper's Fig. 20 are among them.
@@ -101,7 +102,7 @@ impl Report {
             page.sections.push(self.tables_section(path, &drawn)?);
         }
         if let Some(folder) = &self.study {
-            page.sections.push(study::bands_of(folder, &pair.name)?);
+            page.sections.push(bands_of(folder, &pair.name)?);
         }
         if let Some(other) = &self.compare {
             let described = self.other(other, &loads, &job);

@@ -7,10 +7,9 @@ use gearmesh_preprocessor::shaft::{ShaftState, misalignment_range};
 use gearmesh_preprocessor::static_contact::ContactError;
 
 use super::sections::{Loads, POSITIONS};
-use crate::case::{Case, Variant, torque_in_words};
+use crate::case::{Case, Variant, bearing_columns, bearings, torque_in_words};
 use crate::columns::table;
 use crate::page::{Curve, Figure, Height, Section, Style, charts};
-use crate::solve::{bearing_columns, bearings};
 
 const TORQUE: &str = "torque on gear 1 (N m)";
 const FLANKS: [(Flank, &str); 2] = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];

@@ -3,8 +3,6 @@
 mod results;
 mod revolution;
 
-pub use results::{bearing_columns, bearings};
-
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -20,7 +18,10 @@ use gearmesh_preprocessor::storage::csv_reader;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::case::{Case, LEGEND, SHAFT_LEGEND, details, load, on_shafts, summary, torque_in_words};
+use crate::case::{
+    Case, LEGEND, SHAFT_LEGEND, bearing_columns, bearings, details, load, on_shafts, summary,
+    torque_in_words,
+};
 use crate::columns::{Column, Listing, columns, list, rows, table};
 use crate::error::Result;
 use crate::limits;
@@ -269,11 +270,8 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
          pair 1 is ahead of it by one pitch and leaves the mesh first, pair -1 comes into mesh after it.\n";
     text += LEGEND;
     if let Some(state) = &case.shafts {
-        let all = results::bearings(&solved.pair, state);
-        text += &format!(
-            "{SHAFT_LEGEND}\n{}",
-            table(&results::bearing_columns(), all)
-        );
+        let all = bearings(&solved.pair, state);
+        text += &format!("{SHAFT_LEGEND}\n{}", table(&bearing_columns(), all));
         text += "Forces of the housing on the shaft: x from gear 1 to gear 2, y across it, z along the axes.\n";
     }
     text += &revolution::text(case);

@@ -9,12 +9,12 @@ use gearmesh::contact::RootPoint;
 use gearmesh::gear::PairGeometry;
 use gearmesh_preprocessor::contact::{FaceLoad, HARMONICS, Harmonic, ToothRoot, harmonics};
 use gearmesh_preprocessor::gear::Pair;
-use gearmesh_preprocessor::shaft::{AtNode, BearingLoad, ShaftState};
+use gearmesh_preprocessor::shaft::AtNode;
 use gearmesh_preprocessor::static_contact::{ContactSolver, SegmentLoad};
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
 
-use crate::case::{Case, details, load, on_shafts, summary};
+use crate::case::{Case, bearing_columns, bearings, details, load, on_shafts, summary};
 use crate::columns::{Column, columns, csv, lists, object};
 use crate::error::Result;
 use crate::output;
@@ -238,43 +238,6 @@ fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<
         "pressure_mpa" => 1e-6 * s.pressure;
         "edge_line_load_n_per_mm" => s.edge.map_or(0.0, |edge| 1e-3 * edge.line_load);
         "gap_um" => 1e6 * s.gap;
-    }
-}
-
-/// A bearing of a gear's shaft: gear, number and place (m from the gear's own z = 0 face), and what it bears.
-pub struct BearingRow {
-    gear: usize,
-    number: usize,
-    z: f64,
-    load: BearingLoad,
-}
-
-/// Every bearing of both shafts of `pair` in `state`.
-pub fn bearings(pair: &Pair, state: &ShaftState) -> Vec<BearingRow> {
-    (0..2)
-        .flat_map(|gear| {
-            let given = pair.shafts[gear].iter().flat_map(|shaft| &shaft.bearings);
-            let loads = given.zip(&state.bearings[gear]).enumerate();
-            loads.map(move |(k, (bearing, load))| BearingRow {
-                gear: gear + 1,
-                number: k + 1,
-                z: bearing.z,
-                load: *load,
-            })
-        })
-        .collect()
-}
-
-pub fn bearing_columns() -> Vec<Column<'static, BearingRow>> {
-    columns! { |b: &BearingRow|
-        "gear", ["gear", "", None] => b.gear;
-        "bearing", ["bearing", "", None] => b.number;
-        "z_mm", ["z", "mm", 2] => 1e3 * b.z;
-        "force_x_n", ["F_x", "N", 1] => b.load.linear[0];
-        "force_y_n", ["F_y", "N", 1] => b.load.linear[1];
-        "force_z_n", ["F_z", "N", 1] => b.load.linear[2];
-        "radial_force_n", ["radial", "N", 1] => b.load.linear[0].hypot(b.load.linear[1]);
-        "tilting_moment_nm", ["tilting moment", "N m", 3] => b.load.angular[0].hypot(b.load.angular[1]);
     }
 }
 

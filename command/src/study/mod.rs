@@ -1,9 +1,9 @@
 //! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
+mod judgement;
 mod search;
 mod setup;
 mod show;
-mod statistics;
 mod variation;
 
 use std::collections::HashSet;
@@ -24,11 +24,11 @@ use crate::error::Result;
 use crate::model::{Model, ModelArgs, ShaftArgs, widen};
 use crate::output::Job;
 use crate::page::origin;
+use crate::statistics::{Sample, outcomes};
 use crate::{limits, output};
+use judgement::{BestArgs, Nearest};
 use setup::{FLANK, MOST_CYCLES, Setup};
-pub use show::bands_of;
 use show::{Known, Summary};
-use statistics::{BestArgs, Nearest, Sample, outcomes};
 use variation::{Plan, Requested, Variation};
 
 /// Points that the optimizer tries by default for each range: some CMA-ES needs to gather within the last hundredth of it.

@@ -11,14 +11,13 @@ use gearmesh_preprocessor::shaft::held_by_its_shafts;
 use gearmesh_preprocessor::static_contact::ContactSolver;
 use gearmesh_preprocessor::storage::csv_reader;
 
-use super::statistics::{
-    Best, Measure, Nearest, Outcome, Requirement, Sample, Statistics, Violations,
-};
+use super::judgement::{Best, Measure, Nearest, Requirement, Violations};
 use super::variation::{Plan, Variation};
 use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::error::Result;
 use crate::model::{Compliance, Fillets, Model};
+use crate::statistics::{Outcome, Sample, Statistics};
 use crate::{limits, output};
 
 pub const FLANK: Flank = Flank::Drive;

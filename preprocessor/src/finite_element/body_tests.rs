@@ -1,13 +1,16 @@
 //! Rims, webs, hubs and foundations against an independent model of the whole gear and against closed forms.
 
 use super::mesh::Layers;
+use super::model::Model;
 use super::tests::{model, plane, segment};
 use super::*;
+use crate::compliance::ToothCompliance;
 use crate::gear::body::Stub;
-use crate::gear::{BodyShape, HoleCircle, Refinement, UnevenBody};
+use crate::gear::{BodyShape, HoleCircle, Refinement, UnevenBody, body};
 use crate::samples;
 use approx::assert_relative_eq;
-use gearmesh::gear::{Body, GearKind};
+use gearmesh::contact::Segment;
+use gearmesh::gear::{Body, Gear, GearKind};
 use serde_json::Value;
 use std::f64::consts::PI;
 

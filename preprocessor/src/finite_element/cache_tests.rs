@@ -71,7 +71,7 @@ fn hand_axial_position_and_kernel_share_a_model_and_everything_else_has_its_own(
 
 #[test]
 fn a_moved_node_another_quantity_and_another_version_have_keys_of_their_own() {
-    use super::super::{LARGEST_ENTRY, ring, root_stress};
+    use super::super::{influence::LARGEST_ENTRY, ring, root_stress};
     let mut model = Model::new(&gear(20), &settings()).unwrap();
     let own = key(&model, "");
     assert_ne!(own, key(&model, "root stress, "));

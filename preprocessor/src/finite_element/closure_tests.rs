@@ -2,6 +2,7 @@
 
 use super::condensation::condense;
 use super::mesh::{LoadColumn, Mesh};
+use super::model::Model;
 use super::section::Outline;
 use super::tests::plane;
 use super::*;
@@ -9,7 +10,7 @@ use crate::gear::Refinement;
 use crate::gear::ToothProfile;
 use crate::samples;
 use approx::assert_relative_eq;
-use gearmesh::gear::GearKind;
+use gearmesh::gear::{Gear, GearKind};
 use std::f64::consts::PI;
 
 fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {

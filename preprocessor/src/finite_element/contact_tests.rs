@@ -10,6 +10,7 @@ use crate::static_contact::{ContactSolver, contact_settings};
 use approx::assert_relative_eq;
 use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
+use std::sync::Arc;
 
 /// Face of the plane-strain pairs, mm; any.
 const FACE: f64 = 10.0;

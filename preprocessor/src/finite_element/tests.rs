@@ -1,8 +1,10 @@
 use super::*;
+use crate::compliance::ToothCompliance;
 use crate::gear::Refinement;
 use crate::samples;
 use approx::assert_relative_eq;
-use gearmesh::gear::GearKind;
+use gearmesh::contact::Segment;
+use gearmesh::gear::{Gear, GearKind};
 
 fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
     let gear = samples::gear(GearKind::External, teeth, 1.0, 0.0, 0.0);

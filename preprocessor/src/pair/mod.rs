@@ -10,6 +10,7 @@ mod file;
 mod flanks;
 mod gears;
 mod mesh;
+mod misformed;
 mod modifications;
 mod shafts;
 mod signs;

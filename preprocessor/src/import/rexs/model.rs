@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
+use crate::pair::PairError;
 use crate::storage;
 
 /// What is wrong with a REXS file.
@@ -15,7 +16,15 @@ use crate::storage;
 #[error("{0}")]
 pub struct RexsError(pub(super) String);
 
-pub(super) fn refused<T>(problem: impl Into<String>) -> Result<T, RexsError> {
+impl From<PairError> for RexsError {
+    fn from(error: PairError) -> RexsError {
+        RexsError(error.to_string())
+    }
+}
+
+pub(super) type Result<T, E = RexsError> = std::result::Result<T, E>;
+
+pub(super) fn refused<T>(problem: impl Into<String>) -> Result<T> {
     Err(RexsError(problem.into()))
 }
 
@@ -120,7 +129,7 @@ impl Relation {
 
 impl Model {
     /// The model in the file at `path`.
-    pub fn read(path: &Path) -> Result<Model, RexsError> {
+    pub fn read(path: &Path) -> Result<Model> {
         let unreadable = |error: std::io::Error| RexsError(format!("cannot read it: {error}"));
         let mut bytes = Vec::new();
         let file = storage::open(path).map_err(unreadable)?;
@@ -131,7 +140,7 @@ impl Model {
     }
 
     /// The model in the `bytes` of a file: XML, JSON or a zip archive with one of them.
-    pub fn from_bytes(bytes: Vec<u8>) -> Result<Model, RexsError> {
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Model> {
         let bytes = match bytes.starts_with(b"PK") {
             true => unzipped(bytes)?,
             false => bytes,
@@ -152,7 +161,7 @@ impl Model {
         Ok(model)
     }
 
-    fn from_json(text: &str) -> Result<Model, RexsError> {
+    fn from_json(text: &str) -> Result<Model> {
         let wrong = |error: serde_json::Error| RexsError(format!("no REXS file: {error}"));
         let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
         if !file["model"].is_object() {
@@ -161,7 +170,7 @@ impl Model {
         serde_json::from_value(file["model"].take()).map_err(wrong)
     }
 
-    fn from_xml(text: &str) -> Result<Model, RexsError> {
+    fn from_xml(text: &str) -> Result<Model> {
         for tag in text
             .split('<')
             .filter(|tag| !tag.starts_with(['!', '?', '/']))
@@ -260,7 +269,7 @@ fn relation(node: roxmltree::Node) -> Relation {
 }
 
 /// The one model in a zip archive (.rexsz).
-fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>, RexsError> {
+fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>> {
     let wrong = |error: zip::result::ZipError| RexsError(format!("a damaged archive: {error}"));
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(wrong)?;
     let is_model = |name: &&str| {

@@ -2,7 +2,9 @@ use std::io::Write;
 
 use approx::assert_abs_diff_eq;
 
+use super::teeth::GENERATED_SHIFT;
 use super::*;
+use serde_json::Map;
 
 /// Attributes of one component: name and value.
 type Attributes<'a> = &'a [(&'a str, Value)];

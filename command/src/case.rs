@@ -60,6 +60,10 @@ impl Case {
             .collect()
     }
 
+    pub fn torque_in_words(&self) -> String {
+        torque_in_words(self.load.torque)
+    }
+
     /// The largest root stress of gear `i`, MPa; 0 without load, None where it is not requested.
     pub fn root_stress(&self, i: usize) -> Option<f64> {
         let largest = self.roots.as_ref()?[i].largest();
@@ -140,15 +144,17 @@ fn of_table(table: &Table, input: CycleInput, load: LoadCase) -> Case {
     let geometry = &table.file.geometry;
     let force = load.torque / geometry.gears[0].base_radius();
     let (flank, _) = table.flank(Flank::Drive);
-    let result = |&mesh_position: &f64| {
+    let mut cycle = MeshCycle::default();
+    for i in 0..input.positions {
         let mut pose = Query {
             misalignment: load.misalignment,
-            mesh_position,
+            mesh_position: i as f64 / input.positions as f64,
             ..Query::default()
         };
         pose.delta = flank.approach_at(force, &pose);
         let found = flank.evaluate(&pose, false);
-        ContactResult {
+        cycle.mesh_position.push(pose.mesh_position);
+        cycle.results.push(ContactResult {
             approach: pose.delta,
             contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],
             tangent: Tangent {
@@ -156,18 +162,12 @@ fn of_table(table: &Table, input: CycleInput, load: LoadCase) -> Case {
                 ..Tangent::default()
             },
             ..ContactResult::default()
-        }
-    };
-    let positions = (0..input.positions).map(|i| i as f64 / input.positions as f64);
-    let mesh_position: Vec<f64> = positions.collect();
+        });
+    }
     Case {
         input,
         load,
-        cycle: MeshCycle {
-            results: mesh_position.iter().map(result).collect(),
-            mesh_position,
-            ..MeshCycle::default()
-        },
+        cycle,
         face_load: FaceLoad::default(),
         roots: None,
         shafts: None,
@@ -230,16 +230,15 @@ face; stiffness: mean of the cycle, tangent, on the line of action, also over th
 
 pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     let g = solver.geometry();
-    let center_distance = |input: &CycleInput| g.center_distance + input.center_distance_offset;
     columns! { |c: &Row|
         "cycle_edge_gear", ["tip edge of gear", "", None] => c.cycle.edge_load().map(|edge| edge.gear + 1);
         "cycle_edge_z_mm", ["tip edge at z", "mm", 2] => c.cycle.edge_load().map(|edge| 1e3 * edge.z);
-        "transverse_contact_ratio", ["transverse contact ratio", "", 4] => g.transverse_contact_ratio(center_distance(&c.input));
+        "transverse_contact_ratio", ["transverse contact ratio", "", 4] => g.transverse_contact_ratio(c.input.center_distance(g));
         "overlap_ratio", ["overlap ratio", "", 4] => g.overlap_ratio();
         "bent_teeth_mean_ste_percent", ["mean STE by the bend of the teeth", "%", 2] => 100.0 * c.cycle.share_of_bent_teeth()[0];
         "bent_teeth_peak_to_peak_ste_percent", ["p-p STE by the bend of the teeth", "%", 2] => 100.0 * c.cycle.share_of_bent_teeth()[1];
         "loss_factor", ["loss factor by the load share", "", 4] => c.loss_factor(solver);
-        "loss_factor_ohlendorf", ["loss factor of Ohlendorf", "", 4] => ohlendorf(g, center_distance(&c.input));
+        "loss_factor_ohlendorf", ["loss factor of Ohlendorf", "", 4] => ohlendorf(g, c.input.center_distance(g));
     }
 }
 

@@ -101,19 +101,23 @@ pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec
 
 pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
     let lines = lines(columns, rows);
-    let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max();
-    let width = |k| width(k).unwrap_or(0).max(9);
-    let in_words = |line: &Vec<String>| {
-        let cells = line.iter().enumerate();
-        let cells = cells.map(|(k, cell)| format!("{cell:>0$}", width(k)));
-        format!("{}\n", cells.collect::<Vec<_>>().join(" ").trim_end())
-    };
-    // The line of units is left out where there are none.
-    lines
-        .iter()
-        .filter(|line| line.iter().any(|cell| !cell.is_empty()))
-        .map(in_words)
-        .collect()
+    let mut widths = vec![9; lines[0].len()];
+    for line in &lines {
+        for (width, cell) in widths.iter_mut().zip(line) {
+            *width = cell.chars().count().max(*width);
+        }
+    }
+    let mut text = String::new();
+    for line in &lines {
+        // The line of units is left out where there are none.
+        if line.iter().any(|cell| !cell.is_empty()) {
+            let cells = line.iter().zip(&widths);
+            let cells: Vec<String> = cells.map(|(c, width)| format!("{c:>width$}")).collect();
+            text += cells.join(" ").trim_end();
+            text.push('\n');
+        }
+    }
+    text
 }
 
 pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {

@@ -1,5 +1,6 @@
 //! Elastic models of teeth: the options of all subcommands that solve contact, and where models are kept.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -157,11 +158,14 @@ impl ModelArgs {
 /// Widens the operating range of `pair` to `torque` (N m), `misalignment` (rad) and the centre distance `offset` (m):
 /// it decides how wide a contact the elastic model resolves and how far tip corners are followed.
 pub fn widen(pair: &mut Pair, torque: f64, misalignment: [f64; 2], offset: [f64; 2]) {
-    let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
     let o = &mut pair.operating;
     o.maximum_torque = o.maximum_torque.max(torque);
-    o.misalignment = wider(o.misalignment, misalignment);
-    o.center_distance_offset = wider(o.center_distance_offset, offset);
+    for (range, [low, high]) in [
+        (&mut o.misalignment, misalignment),
+        (&mut o.center_distance_offset, offset),
+    ] {
+        *range = [range[0].min(low), range[1].max(high)];
+    }
 }
 
 /// Notes on standard error where the cache did not help.
@@ -176,6 +180,11 @@ pub fn note_on_cache(origins: &[Origin; 2]) {
         };
         eprintln!("gearmesh: note: finite-element model {what}");
     }
+}
+
+/// The variable `name` of the environment, unless it is empty.
+fn variable(name: &str) -> Option<OsString> {
+    std::env::var_os(name).filter(|value| !value.is_empty())
 }
 
 /// Shafts on bearings.
@@ -213,7 +222,6 @@ pub struct CacheArgs {
 impl CacheArgs {
     /// The cache; None where the system names no folder for it.
     pub fn cache(&self) -> Option<ModelCache> {
-        let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
         // The specification of this variable has a relative path ignored.
         let base = variable("XDG_CACHE_HOME").filter(|base| Path::new(base).is_absolute());
         let directory = (self.cache_dir.clone())

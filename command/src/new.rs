@@ -171,12 +171,11 @@ impl New {
     fn profile_shifts(&self) -> [f64; 2] {
         let least = 2.0 / self.pressure_angle_deg.to_radians().sin().powi(2);
         let cos = self.helix_angle_deg.to_radians().cos();
-        let shift = |teeth: i32| {
-            let short = 1.0 - f64::from(teeth) / cos.powi(3) / least;
-            ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
-        };
         let own = if self.is_internal() { 0 } else { 1 };
-        let [one, two] = [0, own].map(|i| shift(self.teeth[i]));
+        let [one, two] = [0, own].map(|i| {
+            let short = 1.0 - f64::from(self.teeth[i]) / cos.powi(3) / least;
+            ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
+        });
         // No -0.
         [one, if self.has_signs() { 0.0 - two } else { two }]
     }

@@ -47,17 +47,17 @@ pub fn as_json(pair: &Pair, gauges: [Gauges; 2]) -> Value {
 /// Ends and bearings of the shaft of gear `i`.
 fn shaft(pair: &Pair, i: usize, rows: &mut Listing) {
     let Some(shaft) = &pair.shafts[i] else { return };
-    let mm = |z: f64| rounded(1e3 * z);
     let ends = shaft.section_ends();
-    let places: Vec<String> = shaft.bearings.iter().map(|b| mm(b.z).to_string()).collect();
+    let [start, end] = [ends[0], ends[ends.len() - 1]].map(|z| rounded(1e3 * z));
+    let bearings = shaft.bearings.iter().map(|b| rounded(1e3 * b.z));
+    let places: Vec<String> = bearings.map(|mm| mm.to_string()).collect();
     let side = if shaft.torque_at_upper_end {
         "upper"
     } else {
         "lower"
     };
     rows! { rows;
-        "shaft on bearings" => "z {} to {} mm, bearings at z {} mm, torque at its {side} end",
-            mm(ends[0]), mm(ends[ends.len() - 1]), places.join(", ");
+        "shaft on bearings" => "z {start} to {end} mm, bearings at z {} mm, torque at its {side} end", places.join(", ");
     }
 }
 
@@ -138,8 +138,6 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     let mesh = &pair.geometry;
     let g = &mesh.gears[i];
     let c = mesh.center_distance;
-    let mm = |length: f64| (1e3 * length).is_finite().then_some(1e3 * length);
-    let diameter = move |radius: f64| mm(2.0 * radius);
     let [ring, held, teeth, over] = match g.kind {
         GearKind::External => ["", "bore (held) diameter", "teeth", "over"],
         GearKind::Ring if g.foundation.is_some() => [
@@ -152,11 +150,9 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     };
     let is_shaft = g.body.is_some_and(|body| body.is_shaft());
     let profile = ToothProfile::new(g).ok();
-    let involute_start = profile.as_ref().and_then(|p| diameter(p.usable_radius()));
+    let involute_start = profile.as_ref().and_then(|p| mm(2.0 * p.usable_radius()));
     let tip_land = profile.as_ref().and_then(|p| mm(p.tip_land()));
     let is_undercut = profile.as_ref().is_some_and(|p| p.is_undercut());
-    // A quantity without a head stays out of the text.
-    let head_if = |is_shown: bool, head| if is_shown { head } else { "" };
     let face = between([g.face_offset, g.face_offset + g.face_width]);
     let s = Measure::Thickness.of(g).unwrap_or(f64::NAN);
     let (k, ball) = (gauges.span_teeth, gauges.ball_diameter);
@@ -172,16 +168,16 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
         "teeth" => g.teeth;
         "profile_shift", ["profile shift coefficient", "", 4] => g.profile_shift;
         "", ["face", "", None] => format!("{face} in the frame of gear 1");
-        "tip_diameter_mm", ["tip diameter", "mm", 4] => diameter(g.tip_radius);
-        "", [head_if(g.tip_chamfer > 0.0, "tip form (chamfer) diameter"), "mm", 4] => diameter(g.tip_form_radius());
-        "", ["operating pitch diameter", "mm", 4] => diameter(mesh.operating_pitch_radius(i, c));
-        "", ["active profile start diameter", "mm", 4] => diameter(g.radius_at_roll(mesh.active_start_roll(i, c)));
+        "tip_diameter_mm", ["tip diameter", "mm", 4] => mm(2.0 * g.tip_radius);
+        "", [head_if(g.tip_chamfer > 0.0, "tip form (chamfer) diameter"), "mm", 4] => mm(2.0 * g.tip_form_radius());
+        "", ["operating pitch diameter", "mm", 4] => mm(2.0 * mesh.operating_pitch_radius(i, c));
+        "", ["active profile start diameter", "mm", 4] => mm(2.0 * g.radius_at_roll(mesh.active_start_roll(i, c)));
         "", ["involute start diameter", "mm", 4] => involute_start;
         "", ["tip land, transverse", "mm", 4] => tip_land;
         "", [head_if(is_undercut, "undercut"), "", None] => "yes";
-        "base_diameter_mm", ["base diameter", "mm", 4] => diameter(g.base_radius());
-        "root_diameter_mm", ["root diameter", "mm", 4] => diameter(g.root_radius());
-        "", [head_if(!is_shaft, held), "mm", 4] => diameter(g.held_radius);
+        "base_diameter_mm", ["base diameter", "mm", 4] => mm(2.0 * g.base_radius());
+        "root_diameter_mm", ["root diameter", "mm", 4] => mm(2.0 * g.root_radius());
+        "", [head_if(!is_shaft, held), "mm", 4] => mm(2.0 * g.held_radius);
         "hand", ["hand", "", None] => hand(g);
         "lead_mm", ["lead", "mm", 4] => mm(lead(g));
         "profile_shift_iso_21771", ["profile shift in the sign of ISO 21771", "", 4] => g.kappa() * g.profile_shift;
@@ -203,14 +199,7 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
 /// Modifications of gear `i`, tip and root relief with start and end in every form of a drawing.
 fn reliefs(pair: &Pair, i: usize) -> Value {
     let g = &pair.geometry.gears[i];
-    let forms = |roll: f64| {
-        json!({
-            "diameter_mm": 2e3 * g.radius_at_roll(roll), "roll_length_mm": 1e3 * roll,
-            "roll_angle_deg": (roll / g.base_radius()).to_degrees(),
-            "from_tip_mm": 1e3 * (g.tip_form_roll() - roll).abs(),
-        })
-    };
-    let flank = |flank: Flank| {
+    let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
         let m = &pair.microgeometry.flank(flank)[i];
         let slope = m.profile_slope;
         let mut all = json!({
@@ -220,7 +209,7 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
         });
         for (name, relief) in [("tip_relief", m.tip_relief), ("root_relief", m.root_relief)] {
             if let Some(r) = relief {
-                all[name] = json!({ "amount_um": 1e6 * r.amount, "start": forms(r.start_roll), "end": forms(r.end_roll) });
+                all[name] = json!({ "amount_um": 1e6 * r.amount, "start": place(g, r.start_roll), "end": place(g, r.end_roll) });
             }
         }
         let [lower, upper] = m.end_relief;
@@ -230,11 +219,31 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
             }
         }
         all
-    };
-    json!({ "drive_flank": flank(Flank::Drive), "coast_flank": flank(Flank::Coast) })
+    });
+    json!({ "drive_flank": drive, "coast_flank": coast })
 }
 
-fn diameter(radius: f64) -> String {
+/// A length of roll (m) on the flank of `g` in every form of a drawing.
+fn place(g: &Gear, roll: f64) -> Value {
+    json!({
+        "diameter_mm": 2e3 * g.radius_at_roll(roll), "roll_length_mm": 1e3 * roll,
+        "roll_angle_deg": (roll / g.base_radius()).to_degrees(),
+        "from_tip_mm": 1e3 * (g.tip_form_roll() - roll).abs(),
+    })
+}
+
+/// `head` where the quantity is to stand in the text, too.
+fn head_if(is_shown: bool, head: &str) -> &str {
+    if is_shown { head } else { "" }
+}
+
+/// None where there is no such length.
+fn mm(length: f64) -> Option<f64> {
+    let mm = 1e3 * length;
+    mm.is_finite().then_some(mm)
+}
+
+fn diameter_in_words(radius: f64) -> String {
     format!("{:.4} mm", 2e3 * radius)
 }
 
@@ -245,12 +254,12 @@ fn between([low, high]: [f64; 2]) -> String {
 
 /// Rim, web, hub and foundation, where the body is no full disc held rigidly, and the material.
 fn body(g: &Gear, rows: &mut Listing) {
-    let z = |z| between(z) + " from the z = 0 face of the gear";
+    const FROM_FACE: &str = "from the z = 0 face of the gear";
     if let Some(body) = g.body.filter(|body| body.is_shaft()) {
         let ends = ["lower end", "upper end"].into_iter().zip(body.held_ends);
         let held: Vec<&str> = ends.filter_map(|(end, held)| held.then_some(end)).collect();
         rows! { rows;
-            "shaft" => "diameters {} and {}, {}", diameter(body.rim_radius), diameter(body.hub_radius), z(body.hub);
+            "shaft" => "diameters {} and {}, {} {FROM_FACE}", diameter_in_words(body.rim_radius), diameter_in_words(body.hub_radius), between(body.hub);
             "shaft held at" => "{}", held.join(" and ");
         }
     } else if let Some(body) = g.body {
@@ -258,11 +267,11 @@ fn body(g: &Gear, rows: &mut Listing) {
         let mm = fixed(thickness / 1e-3, 3);
         let modules = fixed(thickness / g.normal_module, 2);
         rows! { rows;
-            "rim" => "{mm} mm ({modules} normal modules) below the root circle, inner diameter {}", diameter(body.rim_radius);
-            "web" => "{}", z(body.web);
+            "rim" => "{mm} mm ({modules} normal modules) below the root circle, inner diameter {}", diameter_in_words(body.rim_radius);
+            "web" => "{} {FROM_FACE}", between(body.web);
         }
         if body.hub_radius > g.held_radius {
-            rows! { rows; "hub" => "diameter {}, {}", diameter(body.hub_radius), z(body.hub); }
+            rows! { rows; "hub" => "diameter {}, {} {FROM_FACE}", diameter_in_words(body.hub_radius), between(body.hub); }
         }
     }
     if let Some(stiffness) = g.foundation {

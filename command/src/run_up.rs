@@ -102,34 +102,36 @@ fn inertia(text: &str) -> Result<f64, String> {
 /// How the bearings in the pair file at `path` share the loads on gears that are those of `geometry`.
 fn on_bearings(path: &Path, geometry: &PairGeometry) -> Result<[Option<BearingShares>; 2]> {
     let pair = pair::read(path)?;
-    let refuse = |reason: String| Err(format!("--shafts {}: {reason}", path.display()).into());
-    let lengths = |pair: &PairGeometry| {
-        let [one, two] = pair.gears.each_ref().map(|gear| {
-            [
-                ("teeth", gear.z()),
-                ("normal module", gear.normal_module),
-                ("helix angle", gear.helix_angle),
-                ("face width", gear.face_width),
-                ("offset of the faces", gear.face_offset),
-            ]
-        });
-        let center = [("centre distance", pair.center_distance)];
-        [&center[..], &one, &two].concat()
-    };
+    let file = path.display();
     for ((name, here), (_, there)) in lengths(&pair.geometry).into_iter().zip(lengths(geometry)) {
         if (here - there).abs() > 1e-9 * there.abs().max(1e-3) {
-            return refuse(format!(
-                "its gears are not those of the FMU: {name} {here} in SI, not {there}; give the file that the FMU was built from"
-            ));
+            refuse!(
+                "--shafts {file}: its gears are not those of the FMU: {name} {here} in SI, not {there}; give the file that the FMU was \
+                 built from"
+            );
         }
     }
     if pair.shafts.iter().all(Option::is_none) {
-        return refuse(
-            "no gear has a shaft on bearings; give `shaft` with `sections` and `bearings`".into(),
+        refuse!(
+            "--shafts {file}: no gear has a shaft on bearings; give `shaft` with `sections` and `bearings`"
         );
     }
-    let shares = |i: usize| BearingShares::new(pair.shafts[i].as_ref()?, &pair.geometry.gears[i]);
-    Ok([shares(0), shares(1)])
+    Ok([0, 1].map(|i| BearingShares::new(pair.shafts[i].as_ref()?, &pair.geometry.gears[i])))
+}
+
+/// What gears on the same shafts have in common, SI, by its name.
+fn lengths(pair: &PairGeometry) -> Vec<(&'static str, f64)> {
+    let mut all = vec![("centre distance", pair.center_distance)];
+    for gear in &pair.gears {
+        all.extend([
+            ("teeth", gear.z()),
+            ("normal module", gear.normal_module),
+            ("helix angle", gear.helix_angle),
+            ("face width", gear.face_width),
+            ("offset of the faces", gear.face_offset),
+        ]);
+    }
+    all
 }
 
 impl RunUpCommand {
@@ -154,13 +156,11 @@ impl RunUpCommand {
             Some(path) => on_bearings(path, geometry)?,
             None => [None, None],
         };
-        let bodies = || {
-            geometry
-                .gears
-                .each_ref()
-                .map(|gear| Blank::new(gear).axial_inertia)
-        };
-        let inertia = <[f64; 2]>::try_from(&self.inertia_kg_m2[..]).unwrap_or_else(|_| bodies());
+        let given = <[f64; 2]>::try_from(&self.inertia_kg_m2[..]);
+        let inertia = given.unwrap_or_else(|_| {
+            let gears = geometry.gears.each_ref();
+            gears.map(|gear| Blank::new(gear).axial_inertia)
+        });
         let mut sweep = Sweep {
             inertia,
             damping_ratio: self.damping_ratio,
@@ -278,11 +278,6 @@ impl<'a> Summary<'a> {
 
     /// Largest radial force of each bearing in a way, N, with the speed in rpm; the mean over both ways beside it.
     fn bearings(&self) -> Vec<BearingForces> {
-        let largest = |history: &History, force: &[f64]| {
-            let all = force.iter().copied().enumerate();
-            let (k, force) = all.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
-            [force, history.speed[k] / RPM]
-        };
         let ways = self.ways().map(|(_, history)| history);
         let counts = [0, 1].map(|gear| (gear, ways[0].bearing_force[gear].len()));
         let all = counts
@@ -295,7 +290,11 @@ impl<'a> Summary<'a> {
                 gear,
                 bearing,
                 mean: sum / (forces[0].len() + forces[1].len()) as f64,
-                largest: [0, 1].map(|way| largest(ways[way], forces[way])),
+                largest: [0, 1].map(|way| {
+                    let all = forces[way].iter().copied().enumerate();
+                    let (k, force) = all.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+                    [force, ways[way].speed[k] / RPM]
+                }),
             }
         });
         found.collect()
@@ -362,64 +361,53 @@ impl<'a> Summary<'a> {
 
     fn json(&self) -> Value {
         let (run, sweep) = (self.run, self.sweep);
-        let way = |history: &History| {
+        let [up, down] = self.ways().map(|(_, history)| {
             let (speed, swing) = self.largest_swing(history);
             let out = self.out_of_range(history);
             json!({
                 "largest_swing_um": swing, "largest_swing_rpm": speed, "parted_rpm": self.parted(history),
                 "out_of_range_share": out.map_or(0.0, |out| out.1), "out_of_range_rpm": out.map(|out| out.0),
             })
-        };
+        });
         json!({
             "inertia_kg_m2": sweep.inertia.map(|j| j.is_finite().then_some(j)), "torque_nm": sweep.torque,
             "damping_ratio": sweep.damping_ratio, "damping_n_s_per_m": run.damping, "step_s": run.step, "sweep_s": run.duration,
             "natural_frequency_hz": run.natural_frequency, "resonance_rpm": run.resonance_speed / RPM,
-            "up": way(&run.up), "down": way(&run.down),
+            "up": up, "down": down,
             "bearings": self.bearings().iter().map(BearingForces::json).collect::<Vec<_>>(),
         })
     }
 
     fn sections(&self, teeth: u32) -> Vec<Section> {
-        let in_rpm = |values: Vec<(f64, f64)>, scale: f64| {
-            values
-                .into_iter()
-                .map(move |(speed, value)| (speed / RPM, scale * value))
-        };
         let ways = self.ways();
         let mut swings = Vec::new();
         for (name, history) in ways {
-            let swing: Vec<(f64, f64)> =
-                in_rpm(history.swing(&history.transmission_error, self.window), 1e6).collect();
+            let swing = history.swing(&history.transmission_error, self.window);
+            let swing = swing
+                .into_iter()
+                .map(|(speed, swing)| (speed / RPM, 1e6 * swing));
+            let swing: Vec<(f64, f64)> = swing.collect();
             let windows = history.windows(self.window);
-            let is_outside = |k: usize| history.out_of_range[windows[k].1.clone()].contains(&true);
-            let outside = |(k, (speed, swing)): (usize, &(f64, f64))| {
-                (*speed, if is_outside(k) { *swing } else { f64::NAN })
-            };
+            let outside = swing
+                .iter()
+                .zip(windows)
+                .map(|((speed, swing), (_, rows))| {
+                    let is_outside = history.out_of_range[rows].contains(&true);
+                    (*speed, if is_outside { *swing } else { f64::NAN })
+                });
             let outside = Curve {
                 style: Style::Dots,
-                ..Curve::new(
-                    format!("{name}, outside the tables"),
-                    swing.iter().enumerate().map(outside),
-                )
+                ..Curve::new(format!("{name}, outside the tables"), outside)
             };
             swings.push(Curve::new(name, swing));
             swings.extend((!outside.points.is_empty()).then_some(outside));
         }
         let nominal = self.sweep.torque.abs();
-        let mean = |history: &History| {
-            let force = &history.tangential_force;
-            force.iter().sum::<f64>() / force.len().max(1) as f64
-        };
         let largest = ways.map(|(name, history)| {
-            let windows = history.windows(self.window).into_iter();
-            let mean = mean(history);
-            Curve::new(
-                name,
-                windows.map(|(speed, rows)| {
-                    let force = history.tangential_force[rows].iter().copied();
-                    (speed / RPM, force.fold(0.0, f64::max) / mean)
-                }),
-            )
+            let force = &history.tangential_force;
+            let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
+            let ratios = self.largest(history, force).into_iter();
+            Curve::new(name, ratios.map(|(rpm, force)| (rpm, force / mean)))
         });
         let mut sections = vec![
             Section::new(
@@ -459,33 +447,34 @@ impl<'a> Summary<'a> {
         sections
     }
 
+    /// The largest of `values` in each window, 0 at least, with the speed, rpm.
+    fn largest(&self, history: &History, values: &[f64]) -> Vec<(f64, f64)> {
+        let windows = history.windows(self.window).into_iter();
+        windows
+            .map(|(speed, rows)| {
+                let largest = values[rows].iter().copied().fold(0.0, f64::max);
+                (speed / RPM, largest)
+            })
+            .collect()
+    }
+
     /// Radial forces of the bearings over the speed.
     fn bearing_section(&self) -> Section {
-        let curves = |gear: usize| {
+        let mut figures = Vec::new();
+        for gear in 0..2 {
             let mut curves = Vec::new();
             for (name, history) in self.ways() {
                 for (bearing, force) in history.bearing_force[gear].iter().enumerate() {
-                    let largest = history
-                        .windows(self.window)
-                        .into_iter()
-                        .map(|(speed, rows)| {
-                            (speed / RPM, force[rows].iter().copied().fold(0.0, f64::max))
-                        });
-                    curves.push(Curve::new(
-                        format!("bearing {}, {name}", bearing + 1),
-                        largest,
-                    ));
+                    let label = format!("bearing {}, {name}", bearing + 1);
+                    curves.push(Curve::new(label, self.largest(history, force)));
                 }
             }
-            curves
-        };
-        let figures = [0, 1].into_iter().filter_map(|gear| {
-            let curves = curves(gear);
-            (!curves.is_empty()).then(|| {
-                charts! { format!("Bearings of gear {}", gear + 1), [SPEED, "largest radial force (N)"], Height::FromZero(0.0) => curves; }
-                    .remove(0)
-            })
-        }).collect();
+            if !curves.is_empty() {
+                figures.extend(charts! {
+                    format!("Bearings of gear {}", gear + 1), [SPEED, "largest radial force (N)"], Height::FromZero(0.0) => curves;
+                });
+            }
+        }
         let note = "Largest radial force in a window. At each time the bearings of the pair file hold the force and moment that the mesh exerts on its gear, without clearances; what gears and shafts weigh, and their inertia across the axes, are left out.";
         Section::new("Bearing forces", note, figures)
     }
@@ -501,9 +490,8 @@ impl<'a> Summary<'a> {
         let mut spectra =
             history.spectra(signal, &frequencies, window.min(0.5 * self.run.duration));
         spectra.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let level = |amplitude: f64| 20.0 * amplitude.max(f64::MIN_POSITIVE).log10();
-        let all = || spectra.iter().flat_map(|(_, row)| row);
-        let least = all().copied().map(level).fold(f64::NEG_INFINITY, f64::max) - DEPTH;
+        let all = spectra.iter().flat_map(|(_, row)| row);
+        let least = level(all.copied().fold(0.0, f64::max)) - DEPTH;
         let speeds: Vec<f64> = spectra.iter().map(|(speed, _)| speed / RPM).collect();
         let khz: Vec<f64> = frequencies.iter().map(|f| 1e-3 * f).collect();
         let values = (0..FREQUENCIES).flat_map(|k| {
@@ -519,15 +507,18 @@ impl<'a> Summary<'a> {
     }
 }
 
+/// An amplitude in dB re 1.
+fn level(amplitude: f64) -> f64 {
+    20.0 * amplitude.max(f64::MIN_POSITIVE).log10()
+}
+
 /// Lowest and highest speed, rpm, of the samples of `history` for which `holds`; None: it holds nowhere.
 fn speeds_between(history: &History, holds: impl Fn(usize) -> bool) -> Option<[f64; 2]> {
-    let speeds = || {
-        let samples = history.speed.iter().enumerate();
-        samples
-            .filter(|(k, _)| holds(*k))
-            .map(|(_, speed)| speed / RPM)
-    };
-    Some([speeds().reduce(f64::min)?, speeds().reduce(f64::max)?])
+    let samples = history.speed.iter().enumerate();
+    samples
+        .filter(|(k, _)| holds(*k))
+        .map(|(_, speed)| [speed / RPM; 2])
+        .reduce(|[low, high], [speed, _]| [low.min(speed), high.max(speed)])
 }
 
 /// The acceleration of gear 2, or of gear 1 where gear 2 turns as imposed.

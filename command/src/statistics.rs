@@ -71,15 +71,11 @@ impl Statistics {
         drawn: &Sample,
         samples: &[&Sample],
     ) -> Statistics {
-        let value = |sample: &Sample| sample.result(t, k).unwrap_or(f64::NAN);
-        let values: Vec<f64> = samples.iter().map(|sample| value(sample)).collect();
+        let values: Vec<f64> = samples
+            .iter()
+            .map(|sample| sample.result(t, k).unwrap_or(f64::NAN))
+            .collect();
         let sorted = ascending(&values);
-        let share = |share: f64| {
-            let at = share * (sorted.len() - 1) as f64;
-            let below = at as usize;
-            let above = (below + 1).min(sorted.len() - 1);
-            sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
-        };
         let correlations = |change: fn(f64, f64) -> f64| {
             drawn
                 .fields
@@ -95,13 +91,13 @@ impl Statistics {
             point: drawn.point,
             torque_nm,
             result: result.into(),
-            nominal: value(drawn),
+            nominal: drawn.result(t, k).unwrap_or(f64::NAN),
             mean: mean(&values),
-            least: share(0.0),
-            percentile_5: share(0.05),
-            median: share(0.5),
-            percentile_95: share(0.95),
-            largest: share(1.0),
+            least: quantile(&sorted, 0.0),
+            percentile_5: quantile(&sorted, 0.05),
+            median: quantile(&sorted, 0.5),
+            percentile_95: quantile(&sorted, 0.95),
+            largest: quantile(&sorted, 1.0),
             correlation: correlations(|field, _| field),
             correlation_of_distance: correlations(|field, drawn| (field - drawn).abs()),
         }
@@ -114,21 +110,29 @@ pub fn ascending(values: &[f64]) -> Vec<f64> {
     sorted
 }
 
+/// The value below which this `share` of the `sorted` ones lies, between neighbours in proportion.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let at = share * (sorted.len() - 1) as f64;
+    let below = at as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
+}
+
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let [a, b] = [a, b].map(|values| -> Vec<f64> {
-        let mean = mean(values);
-        values.iter().map(|value| value - mean).collect()
-    });
-    let scale = (product(&a, &a) * product(&b, &b)).sqrt();
-    match scale > 0.0 {
-        true => product(&a, &b) / scale,
-        false => 0.0,
+    let means = [mean(a), mean(b)];
+    let [mut aa, mut ab, mut bb] = [0.0; 3];
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - means[0], b - means[1]);
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
     }
+    let scale = f64::sqrt(aa * bb);
+    if scale > 0.0 { ab / scale } else { 0.0 }
 }
 
 #[cfg(test)]

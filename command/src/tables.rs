@@ -1,11 +1,12 @@
 //! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range; `gearmesh import
 //! SAMPLES.csv --pair PAIR.json -o TABLES.json`: that of another contact program.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gearmesh::table::TableFile;
-use gearmesh_preprocessor::table::import::import_csv;
+use gearmesh_preprocessor::gear::Pair;
+use gearmesh_preprocessor::table::import::{Imported, import_csv};
 use gearmesh_preprocessor::{pair, table};
 
 use crate::error::Result;
@@ -67,18 +68,9 @@ impl Import {
         output::check_writable(&self.output, files)?;
         let pair = pair::read(&self.pair)?;
         let nominal = pair.operating.nominal_torque;
-        let read = |path: &PathBuf| -> Result<_> {
-            let named = |error: String| format!("{}: {error}", path.display());
-            let imported = import_csv(&output::read_text(path)?, &pair.geometry);
-            let imported = imported.map_err(|error| named(error.to_string()))?;
-            let doubt = imported.doubt(&pair.geometry, nominal);
-            if let Some(doubt) = doubt.map_err(|error| named(error.to_string()))? {
-                eprintln!("gearmesh: note: {}", named(doubt));
-            }
-            Ok(imported)
-        };
-        let drive = read(&self.samples)?;
-        let coast = self.coast.as_ref().map(read).transpose()?;
+        let drive = samples(&self.samples, &pair)?;
+        let coast = self.coast.as_ref().map(|path| samples(path, &pair));
+        let coast = coast.transpose()?;
         if coast.is_none() && !pair.coast_mirrors_drive() {
             refuse!(
                 "{}: modifications or face offset make the flanks differ; give the samples of the coast flank with --coast",
@@ -98,4 +90,18 @@ impl Import {
         let (path, words) = (self.output.display(), table::size_and_error(&file));
         output::print(&format!("Wrote {path}: {words}\n"))
     }
+}
+
+/// The samples of `pair` in the file at `path`; standard error has a note on what is doubtful in them.
+fn samples(path: &Path, pair: &Pair) -> Result<Imported> {
+    let file = path.display();
+    let imported = import_csv(&output::read_text(path)?, &pair.geometry)
+        .map_err(|error| format!("{file}: {error}"))?;
+    let doubt = imported
+        .doubt(&pair.geometry, pair.operating.nominal_torque)
+        .map_err(|error| format!("{file}: {error}"))?;
+    if let Some(doubt) = doubt {
+        eprintln!("gearmesh: note: {file}: {doubt}");
+    }
+    Ok(imported)
 }

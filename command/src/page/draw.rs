@@ -210,19 +210,19 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
 
 fn shade(fraction: f64) -> RGBColor {
     // Dark violet, red, orange, pale yellow; lighter is lower.
-    const STOPS: [(f64, f64, f64); 5] = [
-        (255.0, 250.0, 225.0),
-        (253.0, 201.0, 107.0),
-        (242.0, 112.0, 63.0),
-        (176.0, 28.0, 82.0),
-        (60.0, 10.0, 84.0),
+    const STOPS: [[f64; 3]; 5] = [
+        [255.0, 250.0, 225.0],
+        [253.0, 201.0, 107.0],
+        [242.0, 112.0, 63.0],
+        [176.0, 28.0, 82.0],
+        [60.0, 10.0, 84.0],
     ];
     let along = fraction.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     let i = (along as usize).min(STOPS.len() - 2);
     let t = along - i as f64;
-    let mix = |a: f64, b: f64| (a + t * (b - a)).round() as u8;
     let (a, b) = (STOPS[i], STOPS[i + 1]);
-    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    let [red, green, blue] = [0, 1, 2].map(|k| (a[k] + t * (b[k] - a[k])).round() as u8);
+    RGBColor(red, green, blue)
 }
 
 /// Higher values over lower ones.
@@ -251,8 +251,9 @@ fn map(labels: &[String], map: &Map) -> Result<String> {
             // Patches that adjoin would leave gaps: each is a pixel larger all around.
             let (x, y) = (a.0.min(b.0) - 1, a.1.min(b.1) - 1);
             let (width, height) = (a.0.abs_diff(b.0) + 2, a.1.abs_diff(b.1) + 2);
-            let shade = |value: f64| (value / top * SHADES as f64).clamp(0.0, SHADES as f64 - 1.0);
-            let layer = patch.value.map_or(SHADES, |value| shade(value) as usize);
+            let layer = patch.value.map_or(SHADES, |value| {
+                (value / top * SHADES as f64).clamp(0.0, SHADES as f64 - 1.0) as usize
+            });
             let path = layers.entry(layer).or_default();
             *path += &format!("M{x} {y}h{width}v{height}h-{width}z");
         }
@@ -264,9 +265,9 @@ fn map(labels: &[String], map: &Map) -> Result<String> {
         axes(&mut bar, ["", &labels[2]], 5, 0.0)?;
         const STEPS: usize = 40;
         bar.draw_series((0..STEPS).map(|i| {
-            let height = |i: usize| top * i as f64 / STEPS as f64;
-            let colour = shade((i as f64 + 0.5) / STEPS as f64);
-            Rectangle::new([(0.0, height(i)), (1.0, height(i + 1))], colour.filled())
+            let [low, middle, high] = [0.0, 0.5, 1.0].map(|k| (i as f64 + k) / STEPS as f64);
+            let corners = [(0.0, top * low), (1.0, top * high)];
+            Rectangle::new(corners, shade(middle).filled())
         }))?;
         Ok(())
     })?;

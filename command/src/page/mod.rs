@@ -76,9 +76,11 @@ impl Page {
     pub fn write(&self, path: &Path, figures: Option<&Path>) -> Result<()> {
         if let Some(folder) = figures {
             for figure in self.sections.iter().flat_map(|section| &section.figures) {
-                let file = |end: &str| folder.join(slug(&figure.title) + end);
-                output::write_whole(&file(".svg"), figure.svg()?.as_bytes())?;
-                output::write_whole(&file(".csv"), &figure.csv()?)?;
+                // No `with_extension`: a title may have a dot.
+                let name = slug(&figure.title);
+                let [svg, csv] = ["svg", "csv"].map(|end| folder.join(format!("{name}.{end}")));
+                output::write_whole(&svg, figure.svg()?.as_bytes())?;
+                output::write_whole(&csv, &figure.csv()?)?;
             }
         }
         output::write_whole(path, self.render()?.as_bytes())
@@ -183,8 +185,10 @@ impl Map {
         let axes = [columns, rows].map(cells);
         let [x, y] = &axes;
         let cells = y.iter().flat_map(|y| x.iter().map(move |x| [*x, *y]));
-        let patch = |(ends, value)| Patch::new(ends, Some(value));
-        let patches: Vec<Patch> = cells.zip(values).map(patch).collect();
+        let patches: Vec<Patch> = cells
+            .zip(values)
+            .map(|(ends, value)| Patch::new(ends, Some(value)))
+            .collect();
         let ends = axes.map(|cells| {
             cells
                 .into_iter()

@@ -288,14 +288,14 @@ fn compare(sections: &mut Vec<Section>, others: Vec<Section>, name: &str) {
 
 /// Section with the results of `cases` in numbers.
 fn table(solver: &ContactSolver, cases: &[Case]) -> Section {
-    let notes = |case: &Case| -> String {
+    let mut notes = String::new();
+    for case in cases {
         let elasticity = case.cycle.note_on_elasticity(solver.geometry());
-        let notes = [elasticity, case.cycle.note_on_segments()];
         let torque = torque_in_words(case.load.torque);
-        let notes = notes.into_iter().flatten();
-        notes.map(|note| format!(" {torque}: {note}.")).collect()
-    };
-    let notes: String = cases.iter().map(notes).collect();
+        for note in elasticity.into_iter().chain(case.cycle.note_on_segments()) {
+            notes += &format!(" {torque}: {note}.");
+        }
+    }
     let residuals = cases.iter().map(|case| case.cycle.kkt_residual());
     let residual = residuals.fold(0.0, f64::max);
     let note = format!(

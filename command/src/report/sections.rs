@@ -47,7 +47,8 @@ pub fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
 
 /// A quantity over the mesh cycle, a curve for every load; the first point is repeated at 1.
 fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> Vec<Curve> {
-    let curve = |case: &Case| {
+    let mut curves = Vec::new();
+    for case in cases {
         let results = &case.cycle.results;
         let results = results.iter().chain(results.first());
         let values = results.map(|result| value(case, result));
@@ -55,9 +56,9 @@ fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> V
         // Torques of a survey have no end of digits.
         let torque = format!("{:.3e}", case.load.torque).parse();
         let torque = torque.unwrap_or(case.load.torque);
-        Curve::new(torque_in_words(torque), positions.zip(values))
-    };
-    cases.iter().map(curve).collect()
+        curves.push(Curve::new(torque_in_words(torque), positions.zip(values)));
+    }
+    curves
 }
 
 /// What is looked at first.
@@ -77,17 +78,14 @@ pub fn teeth_in_mesh(geometry: &PairGeometry) -> Vec<Figure> {
     let c = geometry.center_distance;
     let phi = geometry.operating_pressure_angle(c);
     let path = geometry.path_of_contact(c);
-    let on_path = |xi: f64| (1e3 * xi * phi.sin(), 1e3 * xi * phi.cos());
     let mut curves: Vec<Curve> = (0..2)
         .filter_map(|i| {
             let points = outline(geometry, i)?;
             Some(Curve::new(format!("gear {}", i + 1), points))
         })
         .collect();
-    curves.push(Curve::new(
-        "path of contact",
-        [on_path(path.start), on_path(path.end)],
-    ));
+    let ends = [path.start, path.end].map(|xi| (1e3 * xi * phi.sin(), 1e3 * xi * phi.cos()));
+    curves.push(Curve::new("path of contact", ends));
     charts! { "Teeth in mesh", ["x from the pitch point (mm)", "y (mm)"], Height::ToScale => curves; }
 }
 
@@ -175,18 +173,18 @@ fn load_share(case: &Case) -> Curve {
     });
     let curve = through_mesh(case, shares);
     // Keep one point without load at either side.
-    let is_loaded = |p: &(f64, f64)| p.1 > 0.0;
     let all = curve.points.len();
-    let first = curve.points.iter().position(is_loaded).unwrap_or(0);
-    let last = curve.points.iter().rposition(is_loaded).unwrap_or(all);
-    let points = curve.points[first.saturating_sub(1)..all.min(last + 2)].to_vec();
+    let loaded = (0..all).filter(|i| curve.points[*i].1 > 0.0);
+    let (first, last) = (loaded.clone().next(), loaded.last());
+    let start = first.unwrap_or(0).saturating_sub(1);
+    let points = curve.points[start..all.min(last.unwrap_or(all) + 2)].to_vec();
     Curve { points, ..curve }
 }
 
 /// Values of one tooth pair through the mesh: pair k at position tau is pair 0 at tau + k.
 pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>) -> Curve {
-    let position = |i: usize, pair| case.cycle.mesh_position[i] + f64::from(pair);
-    let points = values.map(|(i, pair, value)| (position(i, pair), value));
+    let positions = &case.cycle.mesh_position;
+    let points = values.map(|(i, pair, value)| (positions[i] + f64::from(pair), value));
     let mut curve = Curve::new(torque_in_words(case.load.torque), points);
     curve.points.sort_by(|a, b| a.0.total_cmp(&b.0));
     curve
@@ -195,19 +193,22 @@ pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>
 /// Peak-to-peak value and harmonics of each of `cases` over `x`; in um, or of the harmonics alone in dB.
 fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<Curve> {
     let teeth = variant.geometry().gears[0].teeth as usize;
-    let scale = |um: f64| if in_db { 20.0 * um.log10() } else { um };
-    let curve = |label: String, value: &dyn Fn(&Case) -> f64| {
-        let values = cases.iter().map(|case| scale(1e6 * value(case)));
-        Curve::new(label, x.iter().copied().zip(values))
-    };
-    let mut curves: Vec<Curve> = (1..=HARMONICS)
-        .map(|h| {
-            let amplitude = |c: &Case| c.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| h.amplitude);
-            curve(format!("order {}", h * teeth), &amplitude)
-        })
-        .collect();
-    let swing = |case: &Case| case.cycle.peak_to_peak_ste();
-    curves.extend((!in_db).then(|| curve("peak to peak".into(), &swing)));
+    let mut curves = Vec::new();
+    for h in 1..=HARMONICS {
+        let values = cases.iter().map(|case| {
+            let amplitude = case.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| 1e6 * h.amplitude);
+            match in_db {
+                true => 20.0 * amplitude.log10(),
+                false => amplitude,
+            }
+        });
+        let points = x.iter().copied().zip(values);
+        curves.push(Curve::new(format!("order {}", h * teeth), points));
+    }
+    if !in_db {
+        let values = cases.iter().map(|case| 1e6 * case.cycle.peak_to_peak_ste());
+        curves.push(Curve::new("peak to peak", x.iter().copied().zip(values)));
+    }
     curves
 }
 
@@ -253,16 +254,6 @@ pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section> {
 }
 
 pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads, survey: &[Case]) -> Section {
-    let over_torque = |label: String, value: &dyn Fn(&Case) -> f64| {
-        let points = survey.iter().map(|case| (case.load.torque, value(case)));
-        Curve::new(label, points)
-    };
-    let lost = |rpm: f64, value: fn(&Loss) -> f64| {
-        over_torque(format!("{} rpm", rounded(rpm)), &move |case| {
-            value(&case.loss(pair, rpm))
-        })
-    };
-    let percent = |loss: &Loss| 100.0 * (1.0 - loss.efficiency);
     // A constant coefficient loses the same share at every speed.
     let speeds: &[f64] = match pair.friction {
         FrictionLaw::Constant { .. } => &loads.speeds[loads.speeds.len() - 1..],
@@ -271,12 +262,12 @@ pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads, survey: &[Case
     let even = ohlendorf(&pair.geometry, pair.geometry.center_distance);
     let figures = charts! {
         "Power lost", [TORQUE, "power lost (W)"], Height::FromZero(0.0)
-            => loads.speeds.iter().map(|rpm| lost(*rpm, |loss| loss.power)).collect();
+            => loss_over_torque(pair, survey, &loads.speeds, |loss| loss.power);
         "Power lost over that transmitted", [TORQUE, "power lost (%)"], Height::FromZero(0.0)
-            => speeds.iter().map(|rpm| lost(*rpm, percent)).collect();
+            => loss_over_torque(pair, survey, speeds, |loss| 100.0 * (1.0 - loss.efficiency));
         "Loss factor", [TORQUE, "loss factor"], Height::FromZero(0.0) => vec![
-            over_torque("by the load share".into(), &|case| case.loss_factor(solver)),
-            over_torque("Ohlendorf".into(), &|_| even),
+            Curve::new("by the load share", survey.iter().map(|case| (case.load.torque, case.loss_factor(solver)))),
+            Curve::new("Ohlendorf", survey.iter().map(|case| (case.load.torque, even))),
         ];
     };
     let note = format!(
@@ -285,6 +276,23 @@ pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads, survey: &[Case
         pair.friction
     );
     Section::new("Losses over torque", note, figures)
+}
+
+/// A part of the loss over the torque of the `survey`, a curve for each of `speeds` of gear 1, rpm.
+fn loss_over_torque(
+    pair: &Pair,
+    survey: &[Case],
+    speeds: &[f64],
+    part: fn(&Loss) -> f64,
+) -> Vec<Curve> {
+    speeds
+        .iter()
+        .map(|rpm| {
+            let losses = survey.iter().map(|case| part(&case.loss(pair, *rpm)));
+            let torques = survey.iter().map(|case| case.load.torque);
+            Curve::new(format!("{} rpm", rounded(*rpm)), torques.zip(losses))
+        })
+        .collect()
 }
 
 /// Maps of both gears for each of `cases` on one common scale, titled `what` it is, gear and `load` of the case. Every loaded
@@ -303,10 +311,6 @@ fn patterns(
         let gear = &geometry.gears[i];
         let half_step = 0.5 * geometry.base_pitch() / case.input.positions as f64;
         let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
-        let patch = |s: &SegmentLoad| {
-            let along_profile = [-half_step, half_step].map(|step| diameter(s.roll[i] + step));
-            Patch::new([s.z.map(|z| 1e3 * z), along_profile], value(s))
-        };
         let segments = (case.cycle.results.iter()).flat_map(|result| &result.segments);
         let seen = segments.filter(|s| s.edge.is_some() || s.pressure > VISIBLE * 1e6);
         let mut ends = [path.start, path.end].map(|xi| diameter(geometry.roll_at(i, c, xi)));
@@ -319,7 +323,13 @@ fn patterns(
             GearKind::External => ["root", "tip"],
             GearKind::Ring => ["tip", "root"],
         };
-        maps.push((title, ends, end_names, seen.map(patch).collect::<Vec<_>>()));
+        let patches: Vec<Patch> = seen
+            .map(|s| {
+                let along_profile = [-half_step, half_step].map(|step| diameter(s.roll[i] + step));
+                Patch::new([s.z.map(|z| 1e3 * z), along_profile], value(s))
+            })
+            .collect();
+        maps.push((title, ends, end_names, patches));
     }
     let patches = maps.iter().flat_map(|(.., patches)| patches);
     let top = patches.filter_map(|p| p.value).fold(1.0, f64::max);
@@ -350,13 +360,12 @@ pub fn contact_patterns(
 pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> Vec<Section> {
     let geometry = &pair.geometry;
     let cos_beta_b = geometry.base_helix_angle().cos();
-    let torque = |case: &Case| torque_in_words(case.load.torque);
     let distribution = ["Load distribution", "line load (N/mm)"];
 
     let mut sections = Vec::new();
     if !cases.is_empty() {
         let heading = "Contact pattern at other torques";
-        let figures = contact_patterns(geometry, cases, torque);
+        let figures = contact_patterns(geometry, cases, Case::torque_in_words);
         sections.push(Section::new(heading, PATTERN_NOTE, figures));
     }
     if !tilted.is_empty() {
@@ -373,13 +382,13 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         geometry,
         std::slice::from_ref(nominal),
         distribution,
-        torque,
+        Case::torque_in_words,
         |s| Some(1e-3 * s.line_load(cos_beta_b)),
     );
     sections.push(Section::new("Load distribution", note, figures));
     let note = format!(
         "At {} and four positions of the mesh; one curve for each tooth pair in contact, up to where contact reaches a tip edge.",
-        torque(nominal)
+        nominal.torque_in_words()
     );
     let lines = LINE_POSITIONS.map(|tau| contact_lines(nominal, tau));
     let heading = "Pressure along the contact lines";
@@ -395,17 +404,17 @@ fn contact_lines(case: &Case, tau: f64) -> Vec<Figure> {
         .iter()
         .filter(|s| s.edge.is_none() && s.pressure > VISIBLE * 1e6)
         .collect();
-    let curve = |segments: &[&SegmentLoad]| {
-        let points = segments
+    let mut curves = Vec::new();
+    for pair in segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair) {
+        let points = pair
             .iter()
             .map(|s| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6));
-        Curve::new(format!("pair {}", segments[0].tooth_pair), points)
-    };
-    let pairs = segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair);
+        curves.push(Curve::new(format!("pair {}", pair[0].tooth_pair), points));
+    }
     let position = case.cycle.mesh_position[i];
     charts! {
         format!("Pressure at mesh position {position}"), ["z (mm)", "pressure (MPa)"], Height::FromZero(0.0)
-            => pairs.map(curve).collect::<Vec<_>>();
+            => curves;
     }
 }
 
@@ -415,28 +424,11 @@ pub fn modifications(pair: &Pair) -> Section {
     for (i, gear) in geometry.gears.iter().enumerate() {
         let start = geometry.active_start_roll(i, geometry.center_distance);
         let pitch = gear.roll_length(geometry.operating_pitch_radius(i, geometry.center_distance));
-        let trace = |ends: [f64; 2], coordinates: &dyn Fn(f64) -> [f64; 2]| {
-            let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
-            let [drive, coast] = flanks.map(|(flank, name)| {
-                let m = &pair.microgeometry.flank(flank)[i];
-                let along = evenly(ends[0], ends[1], TRACE_POINTS).into_iter();
-                Curve::new(
-                    name,
-                    along.map(|s| {
-                        let [roll, z] = coordinates(s);
-                        (1e3 * s, -1e6 * m.removal(gear, roll, z))
-                    }),
-                )
-            });
-            match drive.points == coast.points {
-                true => vec![Curve::new("both flanks", drive.points)],
-                false => vec![drive, coast],
-            }
-        };
-        let profile = trace([start, gear.tip_form_roll()], &|roll| {
-            [roll, 0.5 * gear.face_width]
+        let middle = 0.5 * gear.face_width;
+        let profile = trace(pair, i, [start, gear.tip_form_roll()], |roll| {
+            [roll, middle]
         });
-        let lead = trace([0.0, gear.face_width], &|z| [pitch, z]);
+        let lead = trace(pair, i, [0.0, gear.face_width], |z| [pitch, z]);
         let number = i + 1;
         figures.extend(charts! {
             format!("Profile of gear {number}"), ["length of roll (mm)", "deviation (um)"], Height::Curves(1.0) => profile;
@@ -448,18 +440,41 @@ pub fn modifications(pair: &Pair) -> Section {
     Section::new("Modifications as inspected (K-chart)", note, figures)
 }
 
+/// Deviation of the flanks of gear `i` from `ends[0]` to `ends[1]` of a coordinate, m, with roll length and z of its points; one curve
+/// where both flanks are alike.
+fn trace(pair: &Pair, i: usize, ends: [f64; 2], place: impl Fn(f64) -> [f64; 2]) -> Vec<Curve> {
+    let gear = &pair.geometry.gears[i];
+    let flanks = [(Flank::Drive, "drive flank"), (Flank::Coast, "coast flank")];
+    let [drive, coast] = flanks.map(|(flank, name)| {
+        let m = &pair.microgeometry.flank(flank)[i];
+        let along = evenly(ends[0], ends[1], TRACE_POINTS).into_iter();
+        let points = along.map(|s| {
+            let [roll, z] = place(s);
+            (1e3 * s, -1e6 * m.removal(gear, roll, z))
+        });
+        Curve::new(name, points)
+    });
+    match drive.points == coast.points {
+        true => vec![Curve::new("both flanks", drive.points)],
+        false => vec![drive, coast],
+    }
+}
+
 /// Stress of one tooth of either gear through the mesh, and the fillets where it is largest at the torque `nominal`.
 pub fn roots(cases: &[Case], nominal: f64) -> Section {
-    let curve = |case: &Case, i: usize| -> Option<Curve> {
-        let teeth = case.roots.as_ref()?[i].teeth.iter();
-        let stresses = teeth.map(|t| (t.position, t.tooth_pair, 1e-6 * t.largest.stress));
-        Some(through_mesh(case, stresses))
-    };
-    let curves = |i| cases.iter().filter_map(|case| curve(case, i)).collect();
+    let mut curves = [vec![], vec![]];
+    for case in cases {
+        for (gear, curves) in case.roots.iter().flatten().zip(&mut curves) {
+            let teeth = gear.teeth.iter();
+            let stresses = teeth.map(|t| (t.position, t.tooth_pair, 1e-6 * t.largest.stress));
+            curves.push(through_mesh(case, stresses));
+        }
+    }
+    let [first, second] = curves;
     let labels = ["mesh position of the tooth", "root stress (MPa)"];
     let mut figures = charts! {
-        "Root stress of gear 1", labels, Height::FromZero(0.0) => curves(0);
-        "Root stress of gear 2", labels, Height::FromZero(0.0) => curves(1);
+        "Root stress of gear 1", labels, Height::FromZero(0.0) => first;
+        "Root stress of gear 2", labels, Height::FromZero(0.0) => second;
     };
     let nominal = cases.iter().find(|case| case.load.torque == nominal);
     let gears = nominal.and_then(|case| case.roots.as_ref());

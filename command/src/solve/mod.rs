@@ -359,8 +359,9 @@ fn difference(solved: &Solved, other: &Solved) -> String {
     }
     for column in &columns {
         let both = solved.cases.iter().zip(&other.cases);
-        let share = |(a, b)| Some(column.number(&a)? / column.number(&b)? - 1.0);
-        let shares = both.filter_map(share).filter(|share| share.is_finite());
+        let shares = both
+            .filter_map(|(a, b)| Some(column.number(&a)? / column.number(&b)? - 1.0))
+            .filter(|share| share.is_finite());
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
         match worst {
             Some(worst) => rows! { rows; &column.head => "{:+.2} %", 100.0 * worst; },

@@ -97,7 +97,6 @@ pub fn json(
 ) -> Map<String, Value> {
     let cycle = &case.cycle;
     let pairs = cycle.tooth_pairs();
-    let shares = |i| -> Vec<f64> { pairs.iter().map(|&k| case.share(i, k)).collect() };
     let mut json = object(&load(), &case);
     json.extend(object(&summary(solver), &case));
     json.extend(object(&on_shafts(Some(case)), &case));
@@ -105,15 +104,19 @@ pub fn json(
     let rows: Vec<At> = at_positions(case).collect();
     json.extend(lists(&positions(&[]), &rows));
     let mut more = |name: &str, value: Value| json.insert(name.into(), value);
-    more("load_share", (0..cycle.results.len()).map(shares).collect());
+    let shares: Vec<Vec<f64>> = (0..cycle.results.len())
+        .map(|i| pairs.iter().map(|&k| case.share(i, k)).collect())
+        .collect();
+    more("load_share", json!(shares));
     more("tooth_pairs", json!(pairs));
     more("solve_seconds", json!(cycle.solve_seconds));
     more("notes", json!(notes(pair, case)));
     for (k, (_, of, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
         let all = harmonics_of(case, k);
-        let list = |value: fn(Harmonic) -> f64| json!(all.map(|h| h.map(value)));
-        more(&format!("{of}harmonics_{unit}"), list(|h| h.amplitude));
-        more(&format!("{of}harmonics_phase_rad"), list(|h| h.phase));
+        let amplitudes = all.map(|h| h.map(|h| h.amplitude));
+        let phases = all.map(|h| h.map(|h| h.phase));
+        more(&format!("{of}harmonics_{unit}"), json!(amplitudes));
+        more(&format!("{of}harmonics_phase_rad"), json!(phases));
     }
     let FaceLoad { z, load } = &case.face_load;
     more("face_z_mm", z.iter().map(|z| 1e3 * z).collect());
@@ -125,10 +128,12 @@ pub fn json(
         let bearings = bearings(pair, state);
         let rows = bearings.iter().map(|row| object(&bearing_columns(), row));
         more("bearings", rows.collect());
-        let list =
-            |values: &[f64], unit: f64| json!(values.iter().map(|v| unit * v).collect::<Vec<_>>());
-        more("shaft_closing_z_mm", list(&state.z, 1e3));
-        more("shaft_closing_um", list(&state.closing, 1e6));
+        more(
+            "shaft_closing_z_mm",
+            state.z.iter().map(|z| 1e3 * z).collect(),
+        );
+        let closing = state.closing.iter().map(|m| 1e6 * m);
+        more("shaft_closing_um", closing.collect());
     }
     if let Some(gears) = &case.roots {
         let positions = cycle.results.len();
@@ -142,10 +147,12 @@ pub fn json(
         let at_tangent = over_cycle(|t| Some(t.at_tangent?.stress));
         more("root_stress_at_tangent_mpa", at_tangent);
         let largest = [0, 1].map(|i| {
-            let key = |name: &str| name.trim_start_matches("root_").replace("stress_at", "at");
             let tooth = object(&root_stress(), &largest_tooth(case, i)?);
-            let tooth = tooth.into_iter().map(|(name, value)| (key(&name), value));
-            Some(tooth.collect::<Map<_, _>>())
+            let renamed = tooth.into_iter().map(|(name, value)| {
+                let name = name.trim_start_matches("root_");
+                (name.replace("stress_at", "at"), value)
+            });
+            Some(renamed.collect::<Map<_, _>>())
         });
         more("largest_root_stress", json!(largest));
         let nominal = [0, 1].map(|i| Some(object(&nominal(), &nominal_stress(solver, case, i)?)));
@@ -199,15 +206,14 @@ pub fn positions<'r>(pairs: &[i32]) -> Vec<Column<'static, At<'r>>> {
 fn stiffness<'r>(geometry: &PairGeometry) -> Vec<Column<'static, At<'r>>> {
     let [rb, teeth] = [geometry.gears[0].base_radius(), geometry.gears[0].z()];
     let cos_beta_b = geometry.base_helix_angle().cos();
-    let tau = |(i, c): &At| c.cycle.mesh_position[*i];
-    let k = |(i, c): &At| c.cycle.results[*i].tangent.force_by_approach;
-    columns! { |at: &At|
-        "mesh_position" => tau(at);
-        "phase_rad" => TAU * tau(at);
-        "gear1_angle_deg" => 360.0 * tau(at) / teeth;
-        "stiffness_loa_n_per_m" => k(at);
-        "stiffness_normal_n_per_m" => k(at) / (cos_beta_b * cos_beta_b);
-        "torsional_stiffness_gear1_nm_per_rad" => k(at) * rb * rb;
+    let per_normal = 1.0 / (cos_beta_b * cos_beta_b);
+    columns! { |(i, c): &At|
+        "mesh_position" => c.cycle.mesh_position[*i];
+        "phase_rad" => TAU * c.cycle.mesh_position[*i];
+        "gear1_angle_deg" => 360.0 * c.cycle.mesh_position[*i] / teeth;
+        "stiffness_loa_n_per_m" => c.cycle.results[*i].tangent.force_by_approach;
+        "stiffness_normal_n_per_m" => per_normal * c.cycle.results[*i].tangent.force_by_approach;
+        "torsional_stiffness_gear1_nm_per_rad" => rb * rb * c.cycle.results[*i].tangent.force_by_approach;
     }
 }
 
@@ -224,15 +230,15 @@ fn segments(case: &Case) -> impl Iterator<Item = AtSegment<'_>> {
 
 fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<'r>>> {
     let cos_beta_b = geometry.base_helix_angle().cos();
-    let diameter = |i: usize, s: &SegmentLoad| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
+    let [one, two] = &geometry.gears;
     columns! { |((i, c), s): &AtSegment|
         "mesh_position" => c.cycle.mesh_position[*i];
         "tooth_pair" => s.tooth_pair;
         "z_mm" => 500.0 * (s.z[0] + s.z[1]);
         "roll1_mm" => 1e3 * s.roll[0];
         "roll2_mm" => 1e3 * s.roll[1];
-        "diameter1_mm" => diameter(0, s);
-        "diameter2_mm" => diameter(1, s);
+        "diameter1_mm" => 2e3 * one.radius_at_roll(s.roll[0]);
+        "diameter2_mm" => 2e3 * two.radius_at_roll(s.roll[1]);
         "force_n" => s.force;
         "line_load_n_per_mm" => 1e-3 * s.line_load(cos_beta_b);
         "pressure_mpa" => 1e-6 * s.pressure;

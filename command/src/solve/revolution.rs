@@ -30,11 +30,11 @@ pub fn orders<'r>() -> Vec<Column<'static, (&'r Revolution, Order)>> {
 }
 
 pub fn all_orders(case: &Case) -> Vec<(&Revolution, Order)> {
-    let turns = case.revolutions.iter();
-    let of_turn = |turn: &'_ Revolution| turn.orders().into_iter();
-    turns
-        .flat_map(|turn| of_turn(turn).map(move |order| (turn, order)))
-        .collect()
+    let mut all = Vec::new();
+    for turn in &case.revolutions {
+        all.extend(turn.orders().into_iter().map(|order| (turn, order)));
+    }
+    all
 }
 
 /// Gear, mesh cycles since the beginning of the turn, and STE, m.
@@ -49,16 +49,18 @@ pub fn positions() -> Vec<Column<'static, AtTurn>> {
 }
 
 pub fn all_positions(case: &Case) -> Vec<AtTurn> {
-    let of_turn = |turn: &Revolution| {
-        let (gear, positions) = (turn.gear + 1, turn.positions as f64);
-        let at = |(i, ste): (usize, &f64)| (gear, i as f64 / positions, *ste);
-        turn.ste.iter().enumerate().map(at).collect::<Vec<_>>()
-    };
-    case.revolutions.iter().flat_map(of_turn).collect()
+    let mut all = Vec::new();
+    for turn in &case.revolutions {
+        for (i, ste) in turn.ste.iter().enumerate() {
+            all.push((turn.gear + 1, i as f64 / turn.positions as f64, *ste));
+        }
+    }
+    all
 }
 
 pub fn json(case: &Case) -> Value {
-    let of_turn = |turn: &Revolution| {
+    let mut all = Vec::new();
+    for turn in &case.revolutions {
         let mut json = object(&summary(), &(turn, &case.cycle));
         let ste: Vec<f64> = turn.ste.iter().map(|ste| 1e6 * ste).collect();
         let amplitudes = turn.orders();
@@ -66,9 +68,9 @@ pub fn json(case: &Case) -> Value {
         json.insert("positions_per_mesh_cycle".into(), turn.positions.into());
         json.insert("ste_loa_um".into(), ste.into());
         json.insert("order_amplitudes_loa_um".into(), amplitudes.into());
-        Value::from(json)
-    };
-    case.revolutions.iter().map(of_turn).collect()
+        all.push(Value::from(json));
+    }
+    all.into()
 }
 
 pub fn text(case: &Case) -> String {

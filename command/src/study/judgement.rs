@@ -222,13 +222,14 @@ impl Measure {
 
     /// That of `point`; None where a sample that counts was refused.
     pub fn of(&self, done: &[Sample], point: usize) -> Option<f64> {
-        let samples = self.counting(done, point);
-        let measure = |sample: &Sample| -> Option<f64> {
-            let torques = self.weights.iter().enumerate();
-            let results = torques.map(|(t, weight)| Some(weight * sample.result(t, self.result)?));
-            results.sum()
-        };
-        let all: Vec<f64> = samples.map(measure).collect::<Option<_>>()?;
+        let mut all = Vec::new();
+        for sample in self.counting(done, point) {
+            let mut sum = 0.0;
+            for (t, weight) in self.weights.iter().enumerate() {
+                sum += weight * sample.result(t, self.result)?;
+            }
+            all.push(sum);
+        }
         match self.judged {
             Judged::Mean => Some(all.iter().sum::<f64>() / all.len() as f64),
             _ => all.into_iter().reduce(f64::max),

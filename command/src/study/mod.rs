@@ -145,16 +145,15 @@ impl Study {
             has_roots: self.model.root_stress,
         };
         setup.check(&drawn, samples, points)?;
-        let range = |field: &str, unit: f64| {
-            let varied = setup.plan.all().filter(|v| v.fields().any(|f| f == field));
-            let ends = varied.map(|v| [v.low, v.high].map(|end| end * unit));
-            ends.fold([0.0; 2], |[low, high]: [f64; 2], [a, b]| {
-                [low.min(a), high.max(b)]
-            })
-        };
-        let tilts = range("misalignment_mrad", 1e-3);
-        let offsets = range("center_distance_offset_um", 1e-6);
-        let [_, largest] = range("torque_nm", 1.0);
+        let tilts = setup
+            .plan
+            .range("misalignment_mrad")
+            .map(|mrad| 1e-3 * mrad);
+        let offsets = setup
+            .plan
+            .range("center_distance_offset_um")
+            .map(|um| 1e-6 * um);
+        let [_, largest] = setup.plan.range("torque_nm");
         for torque in setup.torques.iter().copied().chain([largest]) {
             widen(&mut pair, torque, tilts, offsets);
         }
@@ -372,8 +371,8 @@ impl Work {
                 }
             };
             let fields = setup.plan.values(point, 0, setup.seed);
-            let is_other = |s: &&Sample| (s.point, s.number) == (point, 0) && s.fields != fields;
-            if self.done.iter().any(|s| is_other(&s)) {
+            let mut known = self.done.iter();
+            if known.any(|s| (s.point, s.number) == (point, 0) && s.fields != fields) {
                 let table = self.table.display();
                 refuse!(
                     "{table}: point {point} is not the one that the optimizer tries; begin anew with --restart"

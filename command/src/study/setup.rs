@@ -73,11 +73,7 @@ impl Setup {
     pub fn check(&self, pair: &Pair, samples: usize, points: usize) -> Result<()> {
         let Setup { plan, torques, .. } = self;
         // Fields of the axes may need each other.
-        let corner = |end: fn(&Variation) -> f64| {
-            let values: Vec<f64> = plan.axes.iter().map(end).collect();
-            self.changed(values.len(), &plan.placed(&values))
-        };
-        let base = corner(|axis| axis.low)?;
+        let base = self.corner(|axis| axis.low)?;
         for variation in plan.all() {
             let field = &variation.field;
             let mut acts = false;
@@ -111,7 +107,7 @@ impl Setup {
             }
             // At zero relief its start says nothing.
             let at_high = [variation.low, variation.high].map(|value| {
-                let mut changed = corner(|axis| axis.high).ok()?;
+                let mut changed = self.corner(|axis| axis.high).ok()?;
                 let mut fields = variation.fields();
                 fields.try_for_each(|name| changed.set(name, value)).ok()?;
                 let found = changed.pair().ok()?;
@@ -153,6 +149,12 @@ impl Setup {
             outcome: outcome.map_err(|error| error.to_string()),
             fields,
         }
+    }
+
+    /// The pair file at this `end` of all axes.
+    fn corner(&self, end: fn(&Variation) -> f64) -> Result<PairDraft> {
+        let values: Vec<f64> = self.plan.axes.iter().map(end).collect();
+        self.changed(values.len(), &self.plan.placed(&values))
     }
 
     /// The outcomes at each torque of `pair`, whose operating range is widened to what is varied, with the `values` of the fields.
@@ -228,15 +230,15 @@ impl Setup {
     /// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
     /// point itself.
     pub fn spread(&self, done: &[Sample], point: usize) -> Result<Vec<Statistics>> {
-        let all = || done.iter().filter(|s| s.point == point);
-        let drawn = all().find(|s| s.number == 0);
+        let all: Vec<&Sample> = done.iter().filter(|s| s.point == point).collect();
+        let drawn = all.iter().find(|s| s.number == 0);
         let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
         if let Err(error) = &drawn.outcome {
             refuse!("the pair as drawn: {error}");
         }
-        let is_drawn = all().any(|s| s.number > 0);
-        let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
-        let solved: Vec<&Sample> = solved.collect();
+        let is_drawn = all.iter().any(|s| s.number > 0);
+        let mut solved = all.clone();
+        solved.retain(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
         if solved.is_empty() {
             refuse!("no sample could be solved; samples.csv says why");
         }
@@ -267,10 +269,9 @@ impl Setup {
         for (k, Outcome { name, .. }) in self.outcomes.iter().enumerate() {
             all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
         }
-        let error = |s: &Sample| s.outcome.as_ref().err().cloned();
         all.extend(columns! { |(_, s): &(usize, &Sample)|
             "violates" => self.violated(s);
-            "error" => error(s);
+            "error" => s.outcome.as_ref().err().cloned();
         });
         all
     }
@@ -294,21 +295,15 @@ impl Setup {
 
     /// How many of the solved samples of `point` violate each requirement.
     pub fn violations(&self, done: &[Sample], point: usize) -> Vec<Violations> {
-        let samples = || {
-            done.iter()
-                .filter(|s| s.point == point && s.outcome.is_ok())
-        };
-        self.requirements
-            .iter()
-            .map(|requirement| Violations {
-                point,
-                requirement: requirement.words(),
-                samples: samples().count(),
-                violated: samples()
-                    .filter(|s| requirement.missed(s).is_some())
-                    .count(),
-            })
-            .collect()
+        let samples = done.iter().filter(|s| s.point == point);
+        let solved: Vec<&Sample> = samples.filter(|s| s.outcome.is_ok()).collect();
+        let violating = self.requirements.iter().map(|requirement| Violations {
+            point,
+            requirement: requirement.words(),
+            samples: solved.len(),
+            violated: (solved.iter().filter(|s| requirement.missed(s).is_some())).count(),
+        });
+        violating.collect()
     }
 
     /// By how much `point` misses the requirements together; None where it meets them all.
@@ -455,11 +450,14 @@ impl Setup {
             Some((point, self.missed(done, point)?))
         });
         let (point, _) = points.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let counting = || self.measure.counting(done, point);
-        let violated = self.requirements.iter();
-        let violated = violated.filter(|r| counting().any(|s| r.missed(s).is_some()));
-        let words: Vec<String> = violated.map(Requirement::words).collect();
-        let violates = words.join(" and ");
+        let mut violated = Vec::new();
+        for requirement in &self.requirements {
+            let mut samples = self.measure.counting(done, point);
+            if samples.any(|s| requirement.missed(s).is_some()) {
+                violated.push(requirement.words());
+            }
+        }
+        let violates = violated.join(" and ");
         Some(Nearest { point, violates })
     }
 

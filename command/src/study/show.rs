@@ -204,12 +204,11 @@ impl Summary<'_> {
         let mut text = String::new();
         let mut correlations = |head: &str, values: fn(&Statistics) -> &[f64]| {
             let fields = &self.setup.plan.fields;
-            let index = |v: &Variation| fields.iter().position(|(field, _)| *field == v.field);
             let mut all = columns! { |v: &&Variation| "", [head, "", None] => v.field.clone(); };
             for (s, outcome) in statistics.iter().zip(&self.setup.outcomes) {
                 // What has no head stays out.
                 all.extend(columns! { |v: &&Variation|
-                    "", [&outcome.head, "", 2] => index(v).map(|k| values(s)[k]);
+                    "", [&outcome.head, "", 2] => fields.iter().zip(values(s)).find(|(f, _)| f.0 == v.field).map(|(_, c)| *c);
                 });
             }
             text += &format!("\n{}", table(&all, &self.setup.plan.drawn));
@@ -260,13 +259,9 @@ impl Summary<'_> {
         let plan = &self.setup.plan;
         let name = self.setup.measured();
         let ranking = self.setup.ranking(&self.done);
-        let nodes = |axis: &Variation| -> Vec<f64> {
-            let all = 0..axis.points.unwrap_or(0);
-            all.map(|i| axis.value(i)).collect()
-        };
         let mut figures = Vec::new();
         for (k, axis) in plan.axes.iter().enumerate() {
-            let points = nodes(axis).into_iter().enumerate().map(|(i, x)| {
+            let points = axis.nodes().into_iter().enumerate().map(|(i, x)| {
                 let best = ranking
                     .iter()
                     .find(|(point, _)| plan.indices(*point)[k] == i);
@@ -280,7 +275,7 @@ impl Summary<'_> {
         if let [x, y] = &plan.axes[..] {
             let points = 1..=plan.points();
             let map = Map::on_nodes(
-                [&nodes(x), &nodes(y)],
+                [&x.nodes(), &y.nodes()],
                 points.map(|p| {
                     let own = ranking.iter().find(|(point, _)| *point == p);
                     own.map_or(f64::NAN, |own| own.1)
@@ -305,14 +300,13 @@ impl Summary<'_> {
         let (met, violating): (Vec<usize>, Vec<usize>) =
             points.iter().partition(|point| meeting.contains_key(point));
         let dots = |x: &dyn Fn(usize) -> f64| {
-            let curve = |label: &str, points: &[usize]| Curve {
-                style: Style::Dots,
-                ..Curve::new(label, points.iter().map(|point| (x(*point), value(point))))
-            };
             let all = [("tried", &met), ("violates a requirement", &violating)].into_iter();
             let all = all.filter(|(_, points)| !points.is_empty());
-            all.map(|(label, points)| curve(label, points))
-                .collect::<Vec<_>>()
+            let curves = all.map(|(label, points)| Curve {
+                style: Style::Dots,
+                ..Curve::new(label, points.iter().map(|point| (x(*point), value(point))))
+            });
+            curves.collect::<Vec<_>>()
         };
         let mut least = f64::NAN;
         let best = points.iter().map(|point| {
@@ -347,8 +341,9 @@ impl Summary<'_> {
                 if sorted.first() == sorted.last() {
                     continue;
                 }
-                let share = |i: usize| 100.0 * (i as f64 + 0.5) / sorted.len() as f64;
-                let points = sorted.iter().enumerate().map(|(i, v)| (*v, share(i)));
+                let percent = 100.0 / sorted.len() as f64;
+                let points = sorted.iter().enumerate();
+                let points = points.map(|(i, v)| (*v, percent * (i as f64 + 0.5)));
                 curves.push(Curve::new(torque_in_words(*torque), points));
                 let itself = itself.iter().filter_map(|s| s.result(t, k));
                 let line = itself.flat_map(|v| [(v, 0.0), (v, 100.0)]);

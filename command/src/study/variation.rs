@@ -151,6 +151,12 @@ impl Variation {
         rounded(self.low + (self.high - self.low) * i as f64 / steps)
     }
 
+    /// The values on the grid, none where there is no grid.
+    pub fn nodes(&self) -> Vec<f64> {
+        let all = 0..self.points.unwrap_or(0);
+        all.map(|i| self.value(i)).collect()
+    }
+
     /// The value at this share of the range, with no more decimals than a thousandth of the range has.
     pub fn at_share(&self, share: f64) -> f64 {
         let range = self.high - self.low;
@@ -336,28 +342,37 @@ impl Plan {
             0 => self.placed(&[]),
             point => self.placed(&self.at(point)),
         };
-        let index = |field: &str| self.fields.iter().position(|(known, _)| known == field);
         if number > 0 {
             for (variation, value) in self.drawn.iter().zip(draw(&self.drawn, seed, number)) {
-                if let Some(k) = index(&variation.field) {
+                let index = (self.fields.iter()).position(|(known, _)| *known == variation.field);
+                if let Some(k) = index {
                     values[k] = rounded(value + (values[k] - self.fields[k].1));
                 }
             }
         }
         values
     }
+
+    /// Lowest and highest value of `field`, 0 included, over all that is varied.
+    pub fn range(&self, field: &str) -> [f64; 2] {
+        let varied = self.all().filter(|v| v.fields().any(|f| f == field));
+        varied.fold([0.0; 2], |[low, high], v| {
+            [low.min(v.low), high.max(v.high)]
+        })
+    }
+}
+
+/// Bits all over for neighbouring numbers (splitmix64, Steele, Lea, Flood, OOPSLA 2014).
+fn mixed(number: u64) -> u64 {
+    let mut x = number.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    x ^ (x >> 31)
 }
 
 /// The values of sample `number` (from 1): the same whichever samples were drawn before.
 fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
-    // Bits all over for neighbouring numbers and seeds (splitmix64, Steele, Lea, Flood, OOPSLA 2014).
-    let mix = |mut x: u64| {
-        x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        x ^ (x >> 31)
-    };
-    let mut random = Random::new(mix(mix(seed) ^ number as u64).max(1));
+    let mut random = Random::new(mixed(mixed(seed) ^ number as u64).max(1));
     variations
         .iter()
         .map(|v| rounded(random.within([v.low, v.high])))

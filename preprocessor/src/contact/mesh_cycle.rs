@@ -32,6 +32,13 @@ pub struct CycleInput {
     pub positions: usize,
 }
 
+impl CycleInput {
+    /// Of gears with this `geometry`, m.
+    pub fn center_distance(&self, geometry: &PairGeometry) -> f64 {
+        geometry.center_distance + self.center_distance_offset
+    }
+}
+
 /// One mesh cycle.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshCycle {
@@ -92,8 +99,9 @@ impl MeshCycle {
         load: LoadCase,
     ) -> Result<MeshCycle, ContactError> {
         let mut cycles = MeshCycle::solve_all(solver, &[None, None], input, &[load], &|_| ())?;
-        let missing = || ContactError::input("load cases", 0.0, "give at least 1");
-        cycles.pop().ok_or_else(missing)
+        cycles
+            .pop()
+            .ok_or_else(|| ContactError::input("load cases", 0.0, "give at least 1"))
     }
 
     /// Solves a cycle for each of `cases`, in their order, with each gear that has one on its shaft of
@@ -237,8 +245,8 @@ impl MeshCycle {
             let Some((segments, top)) = top.filter(|(_, top)| value(top) > 0.0) else {
                 continue;
             };
-            let bears = |s: &&SegmentLoad| s.tooth_pair == top.tooth_pair && s.force > 0.0;
-            let loaded = segments.iter().filter(bears).count();
+            let of_pair = segments.iter().filter(|s| s.tooth_pair == top.tooth_pair);
+            let loaded = of_pair.filter(|s| s.force > 0.0).count();
             if loaded < ENOUGH_SEGMENTS {
                 values.push(name);
                 fewest = fewest.min(loaded);
@@ -329,9 +337,11 @@ impl MeshCycle {
         }
         let per_width = step * self.results.len() as f64;
         load.iter_mut().for_each(|load| *load /= per_width);
-        let middle = |i| low + step * (i as f64 + 0.5);
-        let z = (0..stations).map(middle).collect();
-        FaceLoad { z, load }
+        let z = (0..stations).map(|i| low + step * (i as f64 + 0.5));
+        FaceLoad {
+            z: z.collect(),
+            load,
+        }
     }
 }
 

@@ -67,8 +67,8 @@ impl Revolution {
     /// Highest minus lowest mean STE of a mesh cycle, m: what the body modulates.
     pub fn modulation(&self) -> f64 {
         let cycles = self.ste.chunks(self.positions);
-        let mean = |cycle: &[f64]| cycle.iter().sum::<f64>() / cycle.len() as f64;
-        peak_to_peak(&cycles.map(mean).collect::<Vec<_>>())
+        let means = cycles.map(|cycle| cycle.iter().sum::<f64>() / cycle.len() as f64);
+        peak_to_peak(&means.collect::<Vec<_>>())
     }
 
     /// All orders that the positions tell apart, ascending from 1.

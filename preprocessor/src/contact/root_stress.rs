@@ -9,8 +9,8 @@ use crate::finite_element::{RootStress, SpreadSegments};
 use crate::static_contact::{
     ContactError, ContactResult, ContactSolver, PositionProblem, SegmentLoad,
 };
-use gearmesh::contact::Segment;
-use gearmesh::contact::{RootField, RootPoint};
+use gearmesh::contact::{RootField, RootPoint, Segment};
+use gearmesh::gear::{Flank, PairGeometry};
 
 /// Stress in the root of one tooth at one mesh position. z of its points is in gear 1's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,9 +38,8 @@ pub struct GearRoots {
 impl GearRoots {
     /// The tooth with the largest stress; None without load.
     pub fn largest(&self) -> Option<&ToothRoot> {
-        let stress = |tooth: &ToothRoot| tooth.largest.stress;
         let teeth = self.teeth.iter();
-        teeth.max_by(|a, b| stress(a).total_cmp(&stress(b)))
+        teeth.max_by(|a, b| a.largest.stress.total_cmp(&b.largest.stress))
     }
 
     /// Largest stress at each of `positions`, Pa; 0 without load. `of` picks it.
@@ -75,10 +74,12 @@ impl<'a> PositionRoots<'a> {
         center_distance_offset: f64,
         models: &'a [Arc<RootStress>; 2],
     ) -> Self {
-        let of_gear = |i: usize| seen.iter().map(|both| both[i]).collect::<Vec<_>>();
         PositionRoots {
             models,
-            segments: [0, 1].map(|i| models[i].spread(&of_gear(i))),
+            segments: [0, 1].map(|i| {
+                let segments: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
+                models[i].spread(&segments)
+            }),
             center_distance_offset,
         }
     }
@@ -150,48 +151,79 @@ impl MeshCycle {
             pairs.map(move |pair| (position, pair))
         });
         let teeth: Vec<(usize, i32)> = teeth.collect();
-        let geometry = &solver.setup().geometry;
-        let of_gear = |i: usize| -> Result<GearRoots, ContactError> {
-            let field = |(position, tooth_pair): (usize, i32)| {
-                let (roots, loads) = &positions[position];
-                roots.field(i, tooth_pair, loads)
-            };
-            // From the gear's canonical coordinates into gear 1's frame.
-            let placed = |point: RootPoint| {
-                let gear = &geometry.gears[i];
-                let z = match geometry.is_mirrored(input.flank, i) {
-                    true => gear.face_width - point.z,
-                    false => point.z,
-                };
-                RootPoint {
-                    z: gear.face_offset + z,
-                    ..point
-                }
-            };
-            let root = |&(position, tooth_pair): &(usize, i32)| {
-                let field = field((position, tooth_pair))?;
-                Ok(ToothRoot {
-                    position,
-                    tooth_pair,
-                    largest: placed(field.largest()),
-                    at_tangent: field.at_tangent().map(placed),
-                })
-            };
-            let roots: Result<Vec<ToothRoot>, ContactError> = teeth.par_iter().map(root).collect();
-            let mut found = GearRoots {
-                teeth: roots?,
-                field: Vec::new(),
-            };
-            if let Some(tooth) = found.largest() {
-                let field = field((tooth.position, tooth.tooth_pair))?;
-                let along_face = 0..field.z().len();
-                let profile = |number| field.profile(number).map(placed).collect();
-                let mut rows: Vec<Vec<RootPoint>> = along_face.map(profile).collect();
-                rows.sort_by(|a, b| a[0].z.total_cmp(&b[0].z));
-                found.field = rows;
-            }
-            Ok(found)
+        let cycle = CycleRoots {
+            geometry: &solver.setup().geometry,
+            flank: input.flank,
+            positions,
+            teeth,
         };
-        Ok([of_gear(0)?, of_gear(1)?])
+        Ok([cycle.of_gear(0)?, cycle.of_gear(1)?])
+    }
+}
+
+/// The loads of a mesh cycle on the roots of both gears.
+struct CycleRoots<'a> {
+    geometry: &'a PairGeometry,
+    flank: Flank,
+    /// The loaded segments of each position.
+    positions: Vec<(PositionRoots<'a>, Vec<SegmentLoad>)>,
+    /// Position and tooth pair of all teeth under load.
+    teeth: Vec<(usize, i32)>,
+}
+
+impl CycleRoots<'_> {
+    fn of_gear(&self, i: usize) -> Result<GearRoots, ContactError> {
+        let roots = self.teeth.par_iter().map(|&(position, tooth_pair)| {
+            let field = self.field(i, position, tooth_pair)?;
+            Ok(ToothRoot {
+                position,
+                tooth_pair,
+                largest: self.placed(i, field.largest()),
+                at_tangent: field.at_tangent().map(|point| self.placed(i, point)),
+            })
+        });
+        let roots: Result<Vec<ToothRoot>, ContactError> = roots.collect();
+        let mut found = GearRoots {
+            teeth: roots?,
+            field: Vec::new(),
+        };
+        if let Some(tooth) = found.largest() {
+            let field = self.field(i, tooth.position, tooth.tooth_pair)?;
+            let mut rows = Vec::new();
+            for number in 0..field.z().len() {
+                let profile = field.profile(number);
+                rows.push(
+                    profile
+                        .map(|point| self.placed(i, point))
+                        .collect::<Vec<_>>(),
+                );
+            }
+            rows.sort_by(|a, b| a[0].z.total_cmp(&b[0].z));
+            found.field = rows;
+        }
+        Ok(found)
+    }
+
+    fn field(
+        &self,
+        i: usize,
+        position: usize,
+        tooth_pair: i32,
+    ) -> Result<RootField<'_>, ContactError> {
+        let (roots, loads) = &self.positions[position];
+        roots.field(i, tooth_pair, loads)
+    }
+
+    /// `point` from the canonical coordinates of gear `i` into gear 1's frame.
+    fn placed(&self, i: usize, point: RootPoint) -> RootPoint {
+        let gear = &self.geometry.gears[i];
+        let z = match self.geometry.is_mirrored(self.flank, i) {
+            true => gear.face_width - point.z,
+            false => point.z,
+        };
+        RootPoint {
+            z: gear.face_offset + z,
+            ..point
+        }
     }
 }

@@ -111,23 +111,21 @@ pub(super) fn condense(
 /// root. Towards the axis (of a ring away from it) displacements of a disc go as r^{n - 1}, and along a cylinder of the radius R
 /// beyond the face they fade faster than e^{-(n - 1) z / R}.
 fn fading(mesh: &Mesh) -> Vec<f64> {
-    let place = |node: usize| {
-        let [x, y, z] = mesh.points[node];
-        [x.hypot(y), z]
-    };
-    let places = mesh.fillet.iter().map(|node| place(*node));
+    let places = mesh.fillet.iter().map(|node| mesh.radius_and_z(*node));
     let Some([root, _]) = places.clone().next() else {
         return vec![0.0; mesh.dimension * mesh.sides[0].len()];
     };
     let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [_, z]| {
         [low.min(z), high.max(z)]
     });
-    let rate = |node: &usize| {
-        let [radius, z] = place(*node);
+    let mut rates = Vec::new();
+    for node in &mesh.sides[0] {
+        let [radius, z] = mesh.radius_and_z(*node);
         let beyond = (low - z).max(z - high).max(0.0);
-        vec![(root / radius).ln().abs() + beyond / root; mesh.dimension]
-    };
-    mesh.sides[0].iter().flat_map(rate).collect()
+        let rate = (root / radius).ln().abs() + beyond / root;
+        rates.extend(vec![rate; mesh.dimension]);
+    }
+    rates
 }
 
 /// Elements that are taken together, and their unknowns, numbered in the order of elimination: the inside, the sides of the
@@ -216,11 +214,10 @@ impl Condensation<'_> {
                 ..Part::default()
             };
         };
-        let cells = |node: &usize| self.cells[*node][axis];
         let (below, rest): (Vec<usize>, Vec<usize>) =
-            nodes.into_iter().partition(|node| cells(node)[1] < limit);
+            (nodes.into_iter()).partition(|node| self.cells[*node][axis][1] < limit);
         let (above, between): (Vec<usize>, Vec<usize>) =
-            rest.into_iter().partition(|node| limit <= cells(node)[0]);
+            (rest.into_iter()).partition(|node| limit <= self.cells[*node][axis][0]);
         let (low, high): (Vec<usize>, Vec<usize>) =
             (elements.into_iter()).partition(|element| self.mesh.cells[*element][axis] < limit);
         let (second, begin) = (first + below.len(), end - between.len());
@@ -253,12 +250,9 @@ impl Condensation<'_> {
                 if !(0.3..=0.7).contains(&share) {
                     continue;
                 }
-                let between = |node: &&usize| {
-                    let [low, high] = self.cells[**node][axis];
-                    low < limit && limit <= high
-                };
-                let cost = nodes.iter().filter(between).count() as f64
-                    * (1.0 + (share - 0.5).powi(2) * 4.0);
+                let cells = nodes.iter().map(|node| self.cells[*node][axis]);
+                let between = cells.filter(|[low, high]| *low < limit && limit <= *high);
+                let cost = between.count() as f64 * (1.0 + (share - 0.5).powi(2) * 4.0);
                 if best.is_none_or(|(least, ..)| cost < least) {
                     best = Some((cost, axis, limit));
                 }
@@ -274,8 +268,9 @@ impl Condensation<'_> {
     }
 
     fn entries(&self, part: &Part) -> &[(usize, usize, f64)] {
-        let from = |own: usize| self.entries.partition_point(|(unknown, ..)| *unknown < own);
-        &self.entries[from(part.own.start)..from(part.own.end)]
+        let [start, end] = [part.own.start, part.own.end]
+            .map(|own| (self.entries).partition_point(|(unknown, ..)| *unknown < own));
+        &self.entries[start..end]
     }
 
     fn count(&self, part: &mut Part) {
@@ -316,9 +311,9 @@ impl Condensation<'_> {
     }
 
     fn assembled(&self, part: &Part) -> Result<Front, FiniteElementError> {
-        let is_small = |inner: &Part| inner.work < SHARE_OF_A_THREAD * self.work;
+        let small = SHARE_OF_A_THREAD * self.work;
         let left: Vec<DMatrix<f64>> = match &part.inner[..] {
-            [first, second] if part.work > TASK && is_small(first) && is_small(second) => {
+            [first, second] if part.work > TASK && first.work < small && second.work < small => {
                 let both = rayon::join(|| self.eliminated(first), || self.eliminated(second));
                 vec![both.0?, both.1?]
             }

@@ -56,11 +56,10 @@ pub(super) fn shape(dimension: usize, c: &[f64; 3], xi: &[f64; 3]) -> (f64, [f64
             sum += xi[d] * c[d];
         }
     }
-    let others = |d: usize| factor[(d + 1) % 3] * factor[(d + 2) % 3];
     let product = factor[0] * factor[1] * factor[2];
     let mut gradient = [0.0; 3];
     for d in 0..dimension {
-        gradient[d] = slope[d] * others(d);
+        gradient[d] = slope[d] * (factor[(d + 1) % 3] * factor[(d + 2) % 3]);
         if corner {
             gradient[d] = gradient[d] * sum + product * c[d];
         }
@@ -110,38 +109,43 @@ fn gauss(axis: usize, dimension: usize) -> &'static [(f64, f64)] {
     }
 }
 
+/// The point at the local coordinates `at` of the element with the nodes `x`.
+fn integration_point(x: &[[f64; 3]], at: [f64; 3], weight: f64) -> IntegrationPoint {
+    let (dimension, nodes) = kind(x.len());
+    let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, &at)).collect();
+    // dx_j / dxi_i; a plane element is one unit deep.
+    let (place, mut tangents) = place_and_tangents(&shapes, x);
+    if dimension == 2 {
+        tangents[2] = Vector3::z();
+    }
+    let j = Matrix3::from_columns(&tangents).transpose();
+    let jacobian = j.determinant();
+    let inverse = j.try_inverse().unwrap_or_default();
+    let gradients = shapes.iter().map(|(_, gradient)| Vector3::from(*gradient));
+    IntegrationPoint {
+        gradient: gradients
+            .map(|gradient| (inverse * gradient).into())
+            .collect(),
+        shapes: shapes.iter().map(|(value, _)| *value).collect(),
+        place,
+        jacobian,
+        volume: jacobian * weight,
+    }
+}
+
 /// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid), or of each of its `parts` by `parts` parts in its
 /// plane.
 pub(super) fn integration_points(x: &[[f64; 3]], parts: usize) -> Vec<IntegrationPoint> {
-    let (dimension, nodes) = kind(x.len());
-    let point = |at: [f64; 3], weight: f64| {
-        let shapes: Vec<_> = nodes.iter().map(|c| shape(dimension, c, &at)).collect();
-        // dx_j / dxi_i; a plane element is one unit deep.
-        let (place, mut tangents) = place_and_tangents(&shapes, x);
-        if dimension == 2 {
-            tangents[2] = Vector3::z();
-        }
-        let j = Matrix3::from_columns(&tangents).transpose();
-        let jacobian = j.determinant();
-        let inverse = j.try_inverse().unwrap_or_default();
-        let in_space = |(_, gradient): &(f64, _)| (inverse * Vector3::from(*gradient)).into();
-        IntegrationPoint {
-            gradient: shapes.iter().map(in_space).collect(),
-            shapes: shapes.iter().map(|(value, _)| *value).collect(),
-            place,
-            jacobian,
-            volume: jacobian * weight,
-        }
-    };
+    let (dimension, _) = kind(x.len());
     let scale = 1.0 / parts as f64;
-    let middle = |part: usize| (2 * part + 1) as f64 * scale - 1.0;
     let mut points = Vec::with_capacity(27 * parts * parts);
-    for (i, j) in (0..parts * parts).map(|part| (part / parts, part % parts)) {
+    for part in 0..parts * parts {
+        let [i, j] = [part / parts, part % parts].map(|k| (2 * k + 1) as f64 * scale - 1.0);
         for &(zeta, w2) in gauss(2, dimension) {
             for &(eta, w1) in &GAUSS3 {
                 points.extend(GAUSS3.map(|(xi, w0)| {
-                    let at = [middle(i) + scale * xi, middle(j) + scale * eta, zeta];
-                    point(at, w0 * w1 * w2 * scale * scale)
+                    let at = [i + scale * xi, j + scale * eta, zeta];
+                    integration_point(x, at, w0 * w1 * w2 * scale * scale)
                 }));
             }
         }

@@ -96,8 +96,8 @@ impl FlankGrid {
                 });
             }
         }
-        let loaded = |(_, weight): &(usize, f64)| *weight != 0.0;
-        (first..).zip(sum).filter(loaded).collect()
+        let weights = (first..).zip(sum);
+        weights.filter(|(_, weight)| *weight != 0.0).collect()
     }
 
     fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, add: &mut impl FnMut(usize, f64)) {
@@ -170,14 +170,13 @@ fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
     if count == 0 {
         return vec![(0, range[0], range[1])];
     }
-    let cell = |x: f64| ends.partition_point(|end| *end <= x).clamp(1, count) - 1;
-    let (first, last) = (cell(range[0]), cell(range[1]));
-    let part = |i: usize| {
+    let [first, last] = range.map(|x| ends.partition_point(|end| *end <= x).clamp(1, count) - 1);
+    let parts = (first..=last).map(|i| {
         let low = if i == first { range[0] } else { ends[i] };
         let high = if i == last { range[1] } else { ends[i + 1] };
-        (high > low).then_some((i, low, high))
-    };
-    (first..=last).filter_map(part).collect()
+        (i, low, high)
+    });
+    parts.filter(|(_, low, high)| high > low).collect()
 }
 
 /// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
@@ -222,8 +221,7 @@ impl Kernel {
         let mut high = room.clamp(0.0, 1.0);
         if high < 1.0 {
             // The distance of the centre of mass from the edge rises with `high` from the half kernel's value.
-            let distance = |high: f64| high - mean(low, high);
-            high = bisection([0.0, high], 60, |high| distance(high) < room);
+            high = bisection([0.0, high], 60, |high| high - mean(low, high) < room);
         }
         let center = if high < 1.0 {
             flank[1] - high * half_width

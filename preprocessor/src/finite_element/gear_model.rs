@@ -45,23 +45,9 @@ impl FiniteElementCompliance {
         cache: Option<&ModelCache>,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
-        let one = |gear: &Gear| -> Result<(Self, Origin), FiniteElementError> {
-            let model = Model::new(gear, settings)?;
-            let compute = || Ok(Influence::new(&model.influence(progress)?));
-            let (influence, origin) = cache::get(cache, &model, "", compute)?;
-            let found = FiniteElementCompliance {
-                grid: model.grid,
-                influence: Arc::new(influence),
-                body: None,
-                plane_strain: settings.plane_strain,
-                cos_base_helix: gear.base_helix_angle().cos(),
-                turned: None,
-            };
-            Ok((found, origin))
-        };
-        let (mut model, mut origin) = one(gear)?;
+        let (mut model, mut origin) = Self::one_way_round(gear, settings, cache, progress)?;
         if let Some(gear) = body::turned(gear) {
-            let (turned, of_turned) = one(&gear)?;
+            let (turned, of_turned) = Self::one_way_round(&gear, settings, cache, progress)?;
             // Of a gear with two models the one that was not simply read.
             if of_turned != Origin::Loaded {
                 origin = of_turned;
@@ -69,6 +55,28 @@ impl FiniteElementCompliance {
             model.turned = Some(Box::new(turned));
         }
         Ok((model, origin))
+    }
+
+    /// The model without that of the gear turned end for end.
+    fn one_way_round(
+        gear: &Gear,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+        progress: &Progress<'_>,
+    ) -> Result<(Self, Origin), FiniteElementError> {
+        let model = Model::new(gear, settings)?;
+        let (influence, origin) = cache::get(cache, &model, "", || {
+            Ok(Influence::new(&model.influence(progress)?))
+        })?;
+        let found = FiniteElementCompliance {
+            grid: model.grid,
+            influence: Arc::new(influence),
+            body: None,
+            plane_strain: settings.plane_strain,
+            cos_base_helix: gear.base_helix_angle().cos(),
+            turned: None,
+        };
+        Ok((found, origin))
     }
 
     /// This model of `gear` without its `uneven_body` on that body; settings and cache as those of this model.
@@ -82,15 +90,17 @@ impl FiniteElementCompliance {
     ) -> Result<Self, FiniteElementError> {
         let basis = uneven::basis(gear, uneven_body);
         let cut = uneven::cut_from(gear, uneven_body);
-        let condensing = |share| progress(Stage::Condensation, share);
         let of_teeth = |gear: &Gear| {
             let model = Model::new(gear, settings)?;
             let basis = cylinder::Basis {
                 z: gear.body.map_or(basis.z, |body| body.web),
                 ..basis
             };
-            let compute = || Cut::new(&basis, &model.mesh(), gear.teeth, &condensing);
-            let (found, _) = cache::get(cache, &model, &format!("{basis:?} "), compute)?;
+            let (found, _) = cache::get(cache, &model, &format!("{basis:?} "), || {
+                Cut::new(&basis, &model.mesh(), gear.teeth, &|share| {
+                    progress(Stage::Condensation, share)
+                })
+            })?;
             Ok::<_, FiniteElementError>(Arc::new(found))
         };
         let own = of_teeth(&cut)?;
@@ -110,24 +120,26 @@ impl FiniteElementCompliance {
 
     /// `loads` on the nodes of the flank.
     fn loads(&self, segments: &[Segment], loads: &[Load]) -> Result<Vec<FlankLoad>, BeyondModel> {
-        let teeth = || segments.iter().map(|s| s.tooth);
-        let (first, last) = (teeth().min().unwrap_or(0), teeth().max().unwrap_or(0));
-        let (distance, reach) = (last.abs_diff(first) as usize, self.influence.teeth() - 1);
+        let teeth = segments.iter().map(|s| s.tooth);
+        let (first, last) = (teeth.clone().min(), teeth.max());
+        let distance = last.unwrap_or(0).abs_diff(first.unwrap_or(0)) as usize;
+        let reach = self.influence.teeth() - 1;
         if distance > reach {
             return Err(BeyondModel { distance, reach });
         }
         let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
-        let spread = |load: &Load| {
+        let mut all = Vec::with_capacity(loads.len());
+        for load in loads {
             let parts = load.iter().flat_map(|(i, force)| {
                 let of_segment = weights[*i].iter();
                 of_segment.map(move |(node, weight)| (*node, force * weight))
             });
-            FlankLoad {
+            all.push(FlankLoad {
                 tooth: segments[load[0].0].tooth,
                 weights: parts.collect(),
-            }
-        };
-        Ok(loads.iter().map(spread).collect())
+            });
+        }
+        Ok(all)
     }
 
     /// Factor of the influence of two segments in plane strain on each other beyond that of their weights.
@@ -203,8 +215,10 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 
     fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
-        let length = |segment| self.grid.reference_length(segment);
-        segments.iter().map(length).collect()
+        segments
+            .iter()
+            .map(|segment| self.grid.reference_length(segment))
+            .collect()
     }
 
     fn turned(&self) -> Option<&dyn ToothCompliance> {

@@ -29,8 +29,8 @@ pub(super) struct Influence {
 
 impl Influence {
     pub fn new(matrices: &[DMatrix<f64>]) -> Influence {
-        let entries = || matrices.iter().flat_map(|m| m.as_slice());
-        let largest = entries().fold(0.0f64, |m, v| m.max(v.abs()));
+        let entries = matrices.iter().flat_map(|m| m.as_slice());
+        let largest = entries.clone().fold(0.0f64, |m, v| m.max(v.abs()));
         let unit = if largest > 0.0 {
             largest / LARGEST_ENTRY
         } else {
@@ -39,7 +39,7 @@ impl Influence {
         Influence {
             unit,
             nodes: matrices.first().map_or(0, DMatrix::nrows),
-            entries: entries().map(|v| (v / unit).round() as i32).collect(),
+            entries: entries.map(|v| (v / unit).round() as i32).collect(),
         }
     }
 
@@ -79,16 +79,19 @@ impl Influence {
 
 /// The nodes of `weights`, ascending, and the weights with nodes counted among them.
 fn compact(weights: &[&Weights]) -> (Vec<usize>, Vec<Weights>) {
-    let all = || weights.iter().flat_map(|weights| weights.iter());
-    let end = all().map(|(node, _)| node + 1).max().unwrap_or(0);
+    let all = weights.iter().flat_map(|weights| weights.iter());
+    let end = all.clone().map(|(node, _)| node + 1).max().unwrap_or(0);
     let mut place = vec![0; end];
-    all().for_each(|(node, _)| place[*node] = 1);
+    all.for_each(|(node, _)| place[*node] = 1);
     let nodes: Vec<usize> = (0..end).filter(|node| place[*node] > 0).collect();
     for (i, node) in nodes.iter().enumerate() {
         place[*node] = i;
     }
-    let counted = |weights: &&Weights| weights.iter().map(|(node, w)| (place[*node], *w)).collect();
-    let counted = weights.iter().map(counted).collect();
+    let counted = weights.iter().map(|weights| {
+        let weights = weights.iter();
+        weights.map(|(node, w)| (place[*node], *w)).collect()
+    });
+    let counted = counted.collect();
     (nodes, counted)
 }
 

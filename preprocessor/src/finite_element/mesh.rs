@@ -4,7 +4,7 @@ use super::element;
 use super::section::{Outline, Section};
 use super::settings::{Discretization, graded_from_both};
 use gearmesh::gear::{Body, Gear};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -56,9 +56,9 @@ impl Layers {
             stations.extend(inner.iter().map(|t| low + t * (high - low)));
             stations.push(high);
         }
-        let index = |z: f64| stations.partition_point(|s| *s < z - 1e-12);
+        let [first, last] = [0.0, face].map(|z| stations.partition_point(|s| *s < z - 1e-12));
         Layers {
-            face: index(0.0)..index(face),
+            face: first..last,
             stations,
             body: gear.body,
         }
@@ -139,23 +139,28 @@ const EMPTY: f64 = 1e-7;
 const PIN: f64 = 1e3;
 
 impl Hole {
+    fn is_inside(&self, x: f64, y: f64) -> bool {
+        (x - self.middle[0]).hypot(y - self.middle[1]) < self.radius
+    }
+
     /// As [`element::stiffness`] of the element with the nodes `x`.
     fn stiffness(self, x: &[[f64; 3]], material: [f64; 2]) -> DMatrix<f64> {
-        let distance = |x: f64, y: f64| (x - self.middle[0]).hypot(y - self.middle[1]);
-        let inside = x.iter().filter(|[x, y, _]| distance(*x, *y) < self.radius);
+        let inside = x.iter().filter(|[x, y, _]| self.is_inside(*x, *y));
         let is_cut = ![0, x.len()].contains(&inside.count());
         let mut points = element::integration_points(x, if is_cut { PARTS } else { 1 });
-        let is_inside = |place: &Vector3<f64>| distance(place.x, place.y) < self.radius;
         if self.pin {
             let mut k = element::stiffness(&points, material);
             let spring = PIN * material[0] / self.radius.powi(2);
-            for point in points.iter().filter(|point| is_inside(&point.place)) {
+            let inside = points
+                .iter()
+                .filter(|p| self.is_inside(p.place.x, p.place.y));
+            for point in inside {
                 element::add_springs(&point.shapes, spring * point.volume, 3, &mut k);
             }
             return k;
         }
         for point in &mut points {
-            if is_inside(&point.place) {
+            if self.is_inside(point.place.x, point.place.y) {
                 point.volume *= EMPTY;
             }
         }
@@ -200,15 +205,15 @@ impl Mesh {
         // Numbered as they come.
         let mut numbers = HashMap::new();
         let mut places = Vec::new();
-        let mut number = |place: (usize, usize)| {
-            *numbers.entry(place).or_insert_with(|| {
-                places.push(place);
-                places.len() - 1
-            })
-        };
-        let elements = elements.into_iter();
-        let numbered = |element: Vec<_>| element.into_iter().map(&mut number).collect();
-        mesh.elements = elements.map(numbered).collect();
+        for element in elements {
+            let numbered = element.into_iter().map(|place| {
+                *numbers.entry(place).or_insert_with(|| {
+                    places.push(place);
+                    places.len() - 1
+                })
+            });
+            mesh.elements.push(numbered.collect());
+        }
         for (node, half) in &places {
             let z = 0.5 * (stations[half / 2] + stations[half.div_ceil(2)]);
             let [r, theta] = section.nodes[*node];
@@ -234,11 +239,10 @@ impl Mesh {
         }
         let face = layers.map_or(0..0, |layers| layers.face.clone());
         for half in 2 * face.start..=2 * face.end {
-            let number = |node: &usize| numbers.get(&(*node, half)).copied();
             let fillet = section.fillet.iter();
-            (mesh.fillet).extend(fillet.filter_map(|(node, _)| number(node)));
+            (mesh.fillet).extend(fillet.filter_map(|(node, _)| numbers.get(&(*node, half))));
             for (node, arc) in &section.flank {
-                if let Some(number) = number(node) {
+                if let Some(&number) = numbers.get(&(*node, half)) {
                     // The surface contains the helix direction (0, r twist, 1).
                     let [n_r, n_t] = outline.normal(*arc);
                     let n_z = -n_t * section.nodes[*node][0] * twist;
@@ -250,6 +254,12 @@ impl Mesh {
             }
         }
         mesh
+    }
+
+    /// Of a node, m.
+    pub fn radius_and_z(&self, node: usize) -> [f64; 2] {
+        let [x, y, z] = self.points[node];
+        [x.hypot(y), z]
     }
 
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
@@ -289,9 +299,9 @@ impl Mesh {
         let mut quality = f64::INFINITY;
         for nodes in &self.elements {
             let points = element::integration_points(&self.coordinates(nodes), 1);
-            let jacobians = || points.iter().map(|point| point.jacobian);
-            let largest = jacobians().fold(f64::MIN, f64::max);
-            let smallest = jacobians().fold(f64::MAX, f64::min);
+            let jacobians = points.iter().map(|point| point.jacobian);
+            let largest = jacobians.clone().fold(f64::MIN, f64::max);
+            let smallest = jacobians.fold(f64::MAX, f64::min);
             volume += points.iter().map(|point| point.volume).sum::<f64>();
             quality = quality.min(smallest / largest.abs());
         }

@@ -129,22 +129,22 @@ fn both<T>(
     progress: &PairProgress<'_>,
     model: impl Fn(&Gear, &Progress<'_>) -> Result<(T, Origin), FiniteElementError>,
 ) -> Result<PairModels<T>, FiniteElementError> {
-    let one = |i: usize| {
-        let found = model(&gears[i], &|stage, share| progress(i, stage, share));
-        found.map(|(model, origin)| (Arc::new(model), origin))
-    };
     let [first, second] = gears.each_ref().map(|gear| Gear {
         hand: 1.0,
         face_offset: 0.0,
         ..gear.clone()
     });
-    let of_first = one(0)?;
-    let of_second = match first == second {
-        true => of_first.clone(),
-        false => one(1)?,
+    let alike = first == second;
+    let (first, first_origin) = model(&gears[0], &|stage, share| progress(0, stage, share))?;
+    let first = Arc::new(first);
+    let (second, second_origin) = if alike {
+        (first.clone(), first_origin.clone())
+    } else {
+        let (second, origin) = model(&gears[1], &|stage, share| progress(1, stage, share))?;
+        (Arc::new(second), origin)
     };
     Ok(PairModels {
-        gears: [of_first.0, of_second.0],
-        origins: [of_first.1, of_second.1],
+        gears: [first, second],
+        origins: [first_origin, second_origin],
     })
 }

@@ -27,7 +27,7 @@ use gearmesh::random::Random;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 
 /// What is left out of the side loads over their largest product with a vector of random numbers.
 pub(super) const LEFT_OUT: f64 = 1e-8;
@@ -47,20 +47,20 @@ pub(super) fn response(
 ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
     let sides = Sides::new(sector);
     let ring = of_modes(sector, &sides.modes, teeth, solved, progress)?;
-    let of_sector = |k: i32| {
+    let mut responses = Vec::new();
+    for k in sectors {
         let ring = &ring[k.unsigned_abs() as usize];
         let half = match k < 0 {
             true => product(ring.transpose().as_view(), sides.loads.as_view()),
             false => product(ring.as_view(), sides.loads.as_view()),
         };
-        let response = product(sides.functionals.as_view(), half.as_view()) * sides.unit;
+        let mut response = product(sides.functionals.as_view(), half.as_view()) * sides.unit;
         if k == 0 {
-            response + &sector.held_influence
-        } else {
-            response
+            response += &sector.held_influence;
         }
-    };
-    Ok(sectors.map(of_sector).collect())
+        responses.push(response);
+    }
+    Ok(responses)
 }
 
 /// How loads and functionals of a sector act on its sides.
@@ -78,12 +78,12 @@ impl Sides {
         let g = &sector.side_loads;
         let loads = sector.held_influence.ncols();
         let functionals = g.ncols() - sector.held_influence.nrows()..g.ncols();
-        let largest = |columns: Range<usize>| {
+        // Modes leave out what is small: functionals are of another unit than loads.
+        let [of_functionals, of_loads] = [functionals.clone(), 0..loads].map(|columns| {
             let norms = columns.map(|j| g.column(j).norm());
             norms.fold(f64::MIN_POSITIVE, f64::max)
-        };
-        // Modes leave out what is small: functionals are of another unit than loads.
-        let unit = largest(functionals.clone()) / largest(0..loads);
+        });
+        let unit = of_functionals / of_loads;
         let mut alike = g.clone();
         alike.columns_range_mut(loads..).scale_mut(unit.recip());
         let (modes, shares) = side_modes(&alike);

@@ -55,11 +55,13 @@ impl Stored for Map {
         let (columns, bytes) = bytes.split_first_chunk()?;
         let columns = usize::try_from(u64::from_le_bytes(*columns)).ok()?;
         let (units, entries) = bytes.split_at_checked(columns.checked_mul(size_of::<f32>())?)?;
-        let unit = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-        let entry = |b: &[u8]| i16::from_le_bytes([b[0], b[1]]);
+        let units = units.chunks_exact(4);
+        let entries = entries.chunks_exact(2);
         Some(Map {
-            units: units.chunks_exact(4).map(unit).collect(),
-            entries: entries.chunks_exact(2).map(entry).collect(),
+            units: units
+                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+                .collect(),
+            entries: entries.map(|b| i16::from_le_bytes([b[0], b[1]])).collect(),
         })
     }
 }
@@ -118,8 +120,12 @@ impl RootStress {
 
     /// Segments of this gear, ready for [`RootStress::of_tooth`] under any forces.
     pub fn spread(&self, segments: &[Segment]) -> SpreadSegments {
-        let spread = |segment: &Segment| (*segment, self.loads.weights(segment));
-        SpreadSegments(segments.iter().map(spread).collect())
+        let segments = segments.iter();
+        SpreadSegments(
+            segments
+                .map(|segment| (*segment, self.loads.weights(segment)))
+                .collect(),
+        )
     }
 
     /// Stress in the root of `tooth` under the normal forces `loads`, N, on `segments`. In plane strain every loaded segment of the
@@ -139,9 +145,8 @@ impl RootStress {
         assert_eq!(segments.0.len(), loads.len(), "a load for each segment");
         let all = segments.0.iter().zip(loads);
         let loaded: Vec<_> = all.filter(|(_, force)| **force != 0.0).collect();
-        let away = |segment: &Segment| tooth - segment.tooth;
         for ((segment, _), _) in &loaded {
-            let (distance, reach) = (away(segment).unsigned_abs() as usize, self.reach);
+            let (distance, reach) = (tooth.abs_diff(segment.tooth) as usize, self.reach);
             if distance > reach {
                 return Err(BeyondModel { distance, reach });
             }
@@ -150,7 +155,8 @@ impl RootStress {
         let stress = |share: &dyn Fn(&Segment) -> f64| {
             let mut forces = vec![0.0; self.loads.len() * (2 * self.reach + 1)];
             for ((segment, weights), force) in &loaded {
-                let first = (away(segment) + self.reach as i32) as usize * self.loads.len();
+                let away = tooth - segment.tooth;
+                let first = (away + self.reach as i32) as usize * self.loads.len();
                 let force = *force * share(segment);
                 for (node, weight) in weights {
                     forces[first + node] += weight * force;
@@ -171,13 +177,15 @@ impl RootStress {
             true => loaded.iter().map(|((segment, _), _)| segment).collect(),
             false => beside.clone(),
         };
-        let length = |segment: &Segment| segment.z[1] - segment.z[0];
-        let of_slice = |slice: &&Segment| {
-            let overlap = |s: &Segment| s.z[1].min(slice.z[1]) - s.z[0].max(slice.z[0]);
-            // Transverse force per length of the axis.
-            stress(&|s| cos_base_helix * overlap(s).max(0.0) / (length(s) * length(slice)))
-        };
-        let components: Vec<f64> = slices.iter().flat_map(of_slice).collect();
+        let mut components = Vec::new();
+        for slice in &slices {
+            components.extend(stress(&|s| {
+                let overlap = (s.z[1].min(slice.z[1]) - s.z[0].max(slice.z[0])).max(0.0);
+                let lengths = (s.z[1] - s.z[0]) * (slice.z[1] - slice.z[0]);
+                // Transverse force per length of the axis.
+                cos_base_helix * overlap / lengths
+            }));
+        }
         let z = slices.iter().map(|slice| 0.5 * (slice.z[0] + slice.z[1]));
         Ok((self.fillet).field_at(z.collect(), &components, beside.into_iter()))
     }
@@ -268,22 +276,30 @@ struct Place {
 }
 
 impl Place {
+    fn new(layer: usize, z: f64, shares: Vec<(f64, f64)>) -> Place {
+        Place { layer, z, shares }
+    }
+
     /// Both faces and the middles of the layers between `stations`; the station itself in plane strain.
     fn along(stations: &[f64]) -> Vec<Place> {
-        let place = |layer, z, shares| Place { layer, z, shares };
         let layers = stations.len() - 1;
         if layers == 0 {
-            return vec![place(0, stations[0], vec![(-1.0, 1.0)])];
+            return vec![Place::new(0, stations[0], vec![(-1.0, 1.0)])];
         }
         // On the straight line through both Gauss points, at zeta = -1 or 1.
         let near = 0.5 * (1.0 + 1.0 / GAUSS2);
         let far = 1.0 - near;
-        let mut places = vec![place(0, stations[0], vec![(-GAUSS2, near), (GAUSS2, far)])];
+        let first = vec![(-GAUSS2, near), (GAUSS2, far)];
+        let mut places = vec![Place::new(0, stations[0], first)];
         for (layer, ends) in stations.windows(2).enumerate() {
-            places.push(place(layer, 0.5 * (ends[0] + ends[1]), vec![(0.0, 1.0)]));
+            places.push(Place::new(
+                layer,
+                0.5 * (ends[0] + ends[1]),
+                vec![(0.0, 1.0)],
+            ));
         }
         let last = vec![(-GAUSS2, far), (GAUSS2, near)];
-        places.push(place(layers - 1, stations[layers], last));
+        places.push(Place::new(layers - 1, stations[layers], last));
         places
     }
 }

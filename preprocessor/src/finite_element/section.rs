@@ -237,13 +237,15 @@ fn below_root(gear: &Gear, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
     let inside_rim = gear.body.map_or(held, |body| body.rim_radius);
     let height = (corner - inside_rim).abs();
     let rim = graded(height, first, growth, height);
-    let row = |t| Depth {
-        t,
-        target: inside_rim,
-        share: t * height / depth,
-        width: None,
-    };
-    let mut rows: Vec<Depth> = halved(&rim).into_iter().map(row).collect();
+    let mut rows: Vec<Depth> = halved(&rim)
+        .into_iter()
+        .map(|t| Depth {
+            t,
+            target: inside_rim,
+            share: t * height / depth,
+            width: None,
+        })
+        .collect();
     let Some(body) = gear.body else {
         return rows;
     };

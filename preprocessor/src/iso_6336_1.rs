@@ -33,12 +33,13 @@ impl NominalStiffness {
         }
         let cos_beta = pinion.helix_angle.cos();
         let cos_beta_b = pinion.base_helix_angle().cos();
-        let virtual_teeth = |gear: &Gear| gear.z() / (cos_beta_b * cos_beta_b * cos_beta);
+        // Of the virtual numbers of teeth.
+        let [per_pinion, per_wheel] =
+            [pinion, wheel].map(|gear| cos_beta_b * cos_beta_b * cos_beta / gear.z());
         let per_wheel = match wheel.kind {
-            GearKind::External => virtual_teeth(wheel).recip(),
+            GearKind::External => per_wheel,
             GearKind::Ring => 0.0,
         };
-        let per_pinion = virtual_teeth(pinion).recip();
         // mm um / N.
         let flexibility = 0.04723 + 0.15551 * per_pinion + 0.25791 * per_wheel
             - 0.00635 * x1
@@ -48,16 +49,13 @@ impl NominalStiffness {
             + 0.00529 * x1 * x1
             + 0.00182 * x2 * x2;
         let theoretical = 1e9 / flexibility;
-        let mean = |factor: fn(&Gear) -> f64| 0.5 * (factor(pinion) + factor(wheel));
-        let rack = |gear: &Gear| {
-            let angle = gear.normal_pressure_angle.to_degrees();
-            (1.0 + 0.5 * (1.2 - gear.dedendum_coefficient)) * (1.0 - 0.02 * (20.0 - angle))
-        };
+        let blank = 0.5 * (blank(pinion) + blank(wheel));
+        let rack = 0.5 * (rack(pinion) + rack(wheel));
         let [e1, e2] = [pinion, wheel].map(|gear| gear.youngs_modulus);
         let modulus = 2.0 * e1 * e2 / (e1 + e2) / STEEL;
         let line_load = tangential_force(pair, torque) / pair.face_overlap().1;
         let low = (line_load / FULL_LINE_LOAD).min(1.0).powf(0.25);
-        let single = 0.8 * theoretical * mean(blank) * mean(rack) * cos_beta * modulus * low;
+        let single = 0.8 * theoretical * blank * rack * cos_beta * modulus * low;
         let ratio = pair.transverse_contact_ratio(pair.center_distance);
         let mesh = single * (0.75 * ratio + 0.25);
         Some(NominalStiffness {
@@ -66,6 +64,12 @@ impl NominalStiffness {
             along_face: 0.85 * mesh,
         })
     }
+}
+
+/// Basic rack factor (C_B).
+fn rack(gear: &Gear) -> f64 {
+    let angle = gear.normal_pressure_angle.to_degrees();
+    (1.0 + 0.5 * (1.2 - gear.dedendum_coefficient)) * (1.0 - 0.02 * (20.0 - angle))
 }
 
 /// Gear blank factor (C_R): 1 of solid discs.

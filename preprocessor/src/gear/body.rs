@@ -48,10 +48,10 @@ pub fn annuli(gear: &Gear, outer: f64) -> Vec<Annulus> {
 pub fn turned(gear: &Gear) -> Option<Gear> {
     let body = gear.body?;
     let turned = mirrored(&body, gear.face_width);
-    let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-    let is_symmetric = near(body.web, turned.web)
-        && near(body.hub, turned.hub)
-        && body.held_ends == turned.held_ends;
+    let ends = body.web.iter().chain(&body.hub);
+    let mut pairs = ends.zip(turned.web.iter().chain(&turned.hub));
+    let is_symmetric =
+        pairs.all(|(a, b)| (a - b).abs() < 1e-9) && body.held_ends == turned.held_ends;
     (!is_symmetric).then(|| Gear {
         body: Some(turned),
         ..gear.clone()
@@ -71,17 +71,17 @@ pub fn twist(gear: &Gear) -> f64 {
     let mut annuli = annuli(gear, gear.root_radius());
     let mut torsion = 0.0;
     if let Some(body) = gear.body.filter(Body::is_shaft) {
-        let polar = |radius: f64| 0.5 * PI * (radius.powi(4) - gear.held_radius.powi(4));
+        let [teeth, thick, thin] = [gear.root_radius(), body.rim_radius, body.hub_radius]
+            .map(|radius| 0.5 * PI * (radius.powi(4) - gear.held_radius.powi(4)));
         // Of the teeth's part half a face; beyond, the radius of what reaches out there.
-        let stiffness = |end: usize| {
-            let out = |z: f64| if end == 0 { -z } else { z - gear.face_width };
-            let [thick, whole] = [out(body.web[end]), out(body.hub[end])];
-            let compliance = 0.5 * gear.face_width / polar(gear.root_radius())
-                + thick / polar(body.rim_radius)
-                + (whole - thick) / polar(body.hub_radius);
+        let [lower, upper] = [0, 1].map(|end| {
+            let [to_thick, to_thin] = [body.web[end], body.hub[end]]
+                .map(|z| if end == 0 { -z } else { z - gear.face_width });
+            let compliance =
+                0.5 * gear.face_width / teeth + to_thick / thick + (to_thin - to_thick) / thin;
             f64::from(body.held_ends[end]) * shear_modulus / compliance
-        };
-        torsion = (stiffness(0) + stiffness(1)).recip();
+        });
+        torsion = (lower + upper).recip();
         annuli.retain(|ring| ring.radii[0] >= body.rim_radius);
     }
     let shear = annuli.iter().map(|ring| {
@@ -150,11 +150,11 @@ pub fn shaft(stubs: [Stub; 2], face_width: f64) -> Body {
 
 /// The body seen with the face of width `face_width` (m) turned end for end.
 fn mirrored(body: &Body, face_width: f64) -> Body {
-    let turned = |z: [f64; 2]| [face_width - z[1], face_width - z[0]];
+    let [web, hub] = [body.web, body.hub].map(|[low, high]| [face_width - high, face_width - low]);
     let [low, high] = body.held_ends;
     Body {
-        web: turned(body.web),
-        hub: turned(body.hub),
+        web,
+        hub,
         held_ends: [high, low],
         ..*body
     }

@@ -189,12 +189,10 @@ impl Pair {
     /// table serves both (with M -> -M and z_c mirrored at mid-face): both flanks modified alike and the same
     /// from both ends of the face, as are both bodies, and both faces share their middle.
     pub fn coast_mirrors_drive(&self) -> bool {
-        let middle = |i: usize| {
-            let g = &self.geometry.gears[i];
-            g.face_offset + 0.5 * g.face_width
-        };
+        let gears = self.geometry.gears.each_ref();
+        let middles = gears.map(|gear| gear.face_offset + 0.5 * gear.face_width);
         // Faces are given to a micrometre at best.
-        let shares_middle = (middle(0) - middle(1)).abs() < 1e-9;
+        let shares_middle = (middles[0] - middles[1]).abs() < 1e-9;
         let BothFlanks { drive, coast } = &self.microgeometry;
         let are_even = self.bodies.iter().all(Option::is_none);
         (shares_middle && are_even)

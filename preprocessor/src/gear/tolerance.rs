@@ -86,8 +86,9 @@ pub fn random_index_errors(gear: &Gear, class: u8, seed: u32) -> Vec<f64> {
 
 /// Range of index errors.
 fn range(index: &[f64]) -> f64 {
-    let fold = |f: fn(f64, f64) -> f64, start| index.iter().copied().fold(start, f);
-    fold(f64::max, f64::NEG_INFINITY) - fold(f64::min, f64::INFINITY)
+    let values = index.iter().copied();
+    let largest = values.clone().fold(f64::NEG_INFINITY, f64::max);
+    largest - values.fold(f64::INFINITY, f64::min)
 }
 
 /// Largest single pitch deviation.

@@ -175,42 +175,43 @@ pub struct StepError {
 /// exact is the same motion in steps a twentieth as long. An FMU that starts with `stiffnessModel = contact` is measured on its
 /// tables. `None` where a step is refused, or an FMU with contact has no tables.
 pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Option<StepError> {
-    let name = |i: usize| VARIABLES[i].name.to_owned();
+    let [model, coupling] = [index::STIFFNESS_MODEL, index::COUPLING].map(|i| VARIABLES[i].name);
     let mut unit = unit.clone();
-    if unit.starts.get(&name(index::STIFFNESS_MODEL)) == Some(&CONTACT) {
+    if unit.starts.get(model) == Some(&CONTACT) {
         tables?;
-        unit.starts.insert(name(index::STIFFNESS_MODEL), TABLE);
+        unit.starts.insert(model.to_owned(), TABLE);
     }
     let mut exact = unit.clone();
-    exact.starts.insert(name(index::COUPLING), SEQUENTIAL);
-    let resources = |unit: UnitFile| {
+    exact.starts.insert(coupling.to_owned(), SEQUENTIAL);
+    let [unit, exact] = [unit, exact].map(|unit| {
         let resources = Resources::new(unit, tables.cloned(), None);
         resources.ok().map(Arc::new)
-    };
-    let unit = resources(unit)?;
+    });
+    let unit = unit?;
     // Held loads need steps so short that a prediction over them is exact.
     let finer = match unit.settings.coupling {
         Coupling::Held => 1,
         Coupling::Sequential | Coupling::Parallel | Coupling::Automatic => FINER,
     };
     let found = transmission_error(unit, step).ok()?;
-    let exact = transmission_error(resources(exact)?, step / finer as f64).ok()?;
+    let exact = transmission_error(exact?, step / finer as f64).ok()?;
     let exact: Vec<f64> = exact.into_iter().step_by(finer).collect();
-    let over = |from: usize| -> Option<f64> {
-        let exact = exact.get(from..)?;
-        let mean = exact.iter().sum::<f64>() / exact.len() as f64;
-        let pairs = found.get(from..)?.iter().zip(exact);
-        let error: f64 = pairs
-            .clone()
-            .map(|(found, exact)| (found - exact).powi(2))
-            .sum();
-        let spread: f64 = pairs.map(|(_, exact)| (exact - mean).powi(2)).sum();
-        Some((error / spread).sqrt()).filter(|error| error.is_finite())
-    };
+    let steady = exact.len() / 2;
     Some(StepError {
-        run: over(0)?,
-        steady: over(exact.len() / 2)?,
+        run: relative_error(&found, &exact)?,
+        steady: relative_error(found.get(steady..)?, exact.get(steady..)?)?,
     })
+}
+
+/// Error of `found`, rms over that of `exact` about its mean; None where that does not vary.
+fn relative_error(found: &[f64], exact: &[f64]) -> Option<f64> {
+    let mean = exact.iter().sum::<f64>() / exact.len() as f64;
+    let (mut error, mut spread) = (0.0, 0.0);
+    for (found, exact) in found.iter().zip(exact) {
+        error += (found - exact).powi(2);
+        spread += (exact - mean).powi(2);
+    }
+    Some(f64::sqrt(error / spread)).filter(|error| error.is_finite())
 }
 
 /// `mesh.transmissionError`, m, at every communication point; the gears move exactly under loads that act as the FMU's `coupling`

@@ -99,20 +99,20 @@ impl MeshDynamics {
         let phi = pair.operating_pressure_angle(pair.center_distance);
         // Velocity per impulse of a tangential force, about the axis alone and with all six freedoms: that force brings a
         // radial and an axial one along.
-        let spinning = |i: usize| radii[i].powi(2) / blanks[i].axial_inertia;
-        let free = |i: usize| {
+        let spinning = [0, 1].map(|i| radii[i].powi(2) / blanks[i].axial_inertia);
+        let free = [0, 1].map(|i| {
             let (gear, blank) = (&pair.gears[i], &blanks[i]);
             let tan_beta = gear.helix_angle.tan() * radii[i] / gear.reference_radius();
             (1.0 + phi.tan().powi(2) + tan_beta.powi(2)) / blank.mass
-                + spinning(i)
+                + spinning[i]
                 + (radii[i] * tan_beta).powi(2) / blank.transverse_inertia
-        };
-        let reduced_mass = 1.0 / (spinning(0) + spinning(1));
+        });
+        let reduced_mass = 1.0 / (spinning[0] + spinning[1]);
         let default_damping = 2.0 * DAMPING_RATIO * (stiffness.mean * reduced_mass).sqrt();
         Self {
             blanks,
             reduced_mass,
-            free_mass: 1.0 / (free(0) + free(1)),
+            free_mass: 1.0 / (free[0] + free[1]),
             stiffness,
             default_damping,
             damping: damping.unwrap_or_else(|| to_digits(default_damping, 3, f64::round)),
@@ -140,8 +140,9 @@ impl MeshDynamics {
     pub fn parallel_limit(&self) -> f64 {
         let (k, c, m) = (self.stiffness.largest, self.damping, self.free_mass);
         // b - 3a - (b - a)² over H/m falls from c at H = 0 to below zero at 2c/(3k).
-        let margin = |h: f64| c - 1.5 * k * h - h / m * (c - 0.5 * k * h).powi(2);
-        bisection([0.0, 2.0 * c / (3.0 * k)], 60, |h| margin(h) > 0.0)
+        bisection([0.0, 2.0 * c / (3.0 * k)], 60, |h| {
+            c - 1.5 * k * h - h / m * (c - 0.5 * k * h).powi(2) > 0.0
+        })
     }
 
     /// Communication step, s, to two digits. Held loads: half of the longest of the parallel master; without damping no
@@ -154,8 +155,9 @@ impl MeshDynamics {
             }
             STEP_SHARE * damped.parallel_limit()
         } else {
-            let period = |mass: f64| (mass / self.stiffness.largest).sqrt();
-            (STEP_ANGLE * period(self.reduced_mass)).min(STEP_ANGLE_FREE * period(self.free_mass))
+            let [reduced, free] = [self.reduced_mass, self.free_mass]
+                .map(|mass| (mass / self.stiffness.largest).sqrt());
+            (STEP_ANGLE * reduced).min(STEP_ANGLE_FREE * free)
         };
         to_digits(longest, 2, f64::floor)
     }

@@ -56,13 +56,15 @@ impl Starts {
         let teeth = file.teeth.as_ref().is_some_and(TeethRecord::tells_apart);
         let moments = &file.drive.moment;
         let shuttling = effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0);
-        let on = |flag: bool| f64::from(u8::from(flag));
         let settings = [
             (index::STIFFNESS_MODEL, if teeth { TEETH } else { TABLE }),
             (index::NOMINAL_TORQUE, file.nominal_torque_nm),
-            (index::CENTER_DISTANCE_EFFECT, on(effects.center_distance)),
-            (index::MISALIGNMENT_EFFECT, on(effects.misalignment)),
-            (index::SHUTTLING_EFFECT, on(shuttling)),
+            (
+                index::CENTER_DISTANCE_EFFECT,
+                number(effects.center_distance),
+            ),
+            (index::MISALIGNMENT_EFFECT, number(effects.misalignment)),
+            (index::SHUTTLING_EFFECT, number(shuttling)),
         ];
         Ok(Self {
             stiffness: Stiffness::of_table(&table),
@@ -144,17 +146,22 @@ impl Starts {
     }
 }
 
+/// A truth value as tables of start values have it.
+fn number(flag: bool) -> f64 {
+    f64::from(u8::from(flag))
+}
+
 /// Spin of gear 2, rad, at which its flanks stand in the middle of the gaps of gear 1, which has no
 /// spin, when both lie as the start values say and phases are absolute.
 pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     // A tooth centre of gear 1 stands on body +x and, if gear 1 is the ring, a space centre does. The
     // mesh lies at sc x from gear 1: at angle 0 or pi. Gear 2 must offer the opposite there.
     let [g1, g2] = &geometry.gears;
-    let toward = |sign: f64| if sign > 0.0 { 0.0 } else { PI };
-    let pitch = |z: f64| TAU / z;
-    let (at1, at2) = (toward(geometry.sc()), toward(geometry.sc() * -geometry.e()));
+    let [at1, at2] = [geometry.sc(), geometry.sc() * -geometry.e()]
+        .map(|sign| if sign > 0.0 { 0.0 } else { PI });
+    let [pitch1, pitch2] = [g1, g2].map(|gear| TAU / gear.z());
     // Phase within the pitch, 0 at a tooth centre (ring: at a space centre), of what gear 1 offers.
-    let phase1 = (at1 / pitch(g1.z())).rem_euclid(1.0);
+    let phase1 = (at1 / pitch1).rem_euclid(1.0);
     // An external tooth fills the ring's space: phases agree. Two external gears: half a pitch apart.
     let needed = if geometry.e() > 0.0 {
         0.5 - phase1
@@ -163,9 +170,9 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     };
     // Gear 2's tooth stands on its +x in its own z = 0 face; the helix has turned it in that of gear 1.
     let helix = g2.hand * g2.helix_angle.tan() / g2.reference_radius();
-    let present = ((at2 + helix * g2.face_offset) / pitch(g2.z())).rem_euclid(1.0);
+    let present = ((at2 + helix * g2.face_offset) / pitch2).rem_euclid(1.0);
     let turn = (present - needed).rem_euclid(1.0);
-    pitch(g2.z()) * if turn > 0.5 { turn - 1.0 } else { turn }
+    pitch2 * if turn > 0.5 { turn - 1.0 } else { turn }
 }
 
 /// A start value by the name of its variable: `damping=500`, `interpolation=shepard`, `coupling=held`.
@@ -217,7 +224,7 @@ impl FromStr for Setting {
         let variable = &VARIABLES[index];
         let (min, max, items) = (variable.min, variable.max, variable.items);
         let parsed = match variable.kind {
-            Kind::Boolean => value.parse::<bool>().ok().map(|on| f64::from(u8::from(on))),
+            Kind::Boolean => value.parse::<bool>().ok().map(number),
             Kind::Enumeration => (1..)
                 .zip(items)
                 .find_map(|(n, item)| (*item == value).then_some(f64::from(n))),

@@ -224,10 +224,13 @@ pub(super) fn note(field: &str, value: f64, least: f64) -> Option<String> {
 /// Less than this is no helix angle in degrees that teeth have, but may be one in radians.
 pub(super) const LEAST_HELIX: f64 = 1.05;
 
+/// The end of a range that is farther from nominal.
+fn farther([low, high]: [f64; 2]) -> f64 {
+    if high >= -low { high } else { low }
+}
+
 /// Notes on suspiciously small numbers: the helix angle on gear 1 (`helix`, degrees) and those of the file.
 pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
-    // The end of a range that is farther from nominal.
-    let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
     let o = &file.operating;
     let offset = farther(o.center_distance_offset_um);
     let tilt = o.misalignment_mrad.map_or(0.0, farther);
@@ -434,16 +437,18 @@ fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
 /// mrad.
 pub(super) const LARGEST_MISALIGNMENT: f64 = 20.0;
 
+/// Refuses a range without 0 or beyond `most`.
+fn check_range(field: &str, [low, high]: [f64; 2], most: f64) -> Result<(), Refusal> {
+    check(field, low, [-most, 0.0])?;
+    check(field, high, [0.0, most])
+}
+
 fn check_operating(file: &PairFile) -> Result<(), Refusals> {
     let o = &file.operating;
-    let range = |field: &str, [low, high]: [f64; 2], most: f64| {
-        check(field, low, [-most, 0.0])?;
-        check(field, high, [0.0, most])
-    };
     let offset = o.center_distance_offset_um;
-    let offset = range("operating.center_distance_offset_um", offset, 1e4);
+    let offset = check_range("operating.center_distance_offset_um", offset, 1e4);
     let tilt = o.misalignment_mrad.map_or(Ok(()), |m| {
-        range("operating.misalignment_mrad", m, LARGEST_MISALIGNMENT)
+        check_range("operating.misalignment_mrad", m, LARGEST_MISALIGNMENT)
     });
     both(check_torques(o), every([offset, tilt])).map(drop)
 }

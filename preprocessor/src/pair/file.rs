@@ -24,9 +24,9 @@ impl TryFrom<serde_json::Value> for Dimension {
     type Error = String;
 
     fn try_from(value: serde_json::Value) -> Result<Dimension, String> {
-        let limit = |i: usize| value.get(i)?.as_f64();
         let count = value.as_array().map_or(0, Vec::len);
-        match (value.as_f64(), count, limit(0), limit(1)) {
+        let [first, second] = [0, 1].map(|i| value.get(i)?.as_f64());
+        match (value.as_f64(), count, first, second) {
             (Some(number), ..) => Ok(Dimension::Nominal(number)),
             (_, 2, Some(a), Some(b)) if a <= b => Ok(Dimension::Limits([a, b])),
             (_, 2, Some(_), Some(_)) => {
@@ -112,8 +112,9 @@ impl PairFile {
 
     /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim or negative teeth.
     pub fn ring(&self) -> Option<usize> {
-        let has_rim = |g: &GearFile| g.rim_diameter_mm.is_some() || g.teeth < 0;
-        let ring = usize::from(has_rim(&self.gear2) || !has_rim(&self.gear1));
+        let [first, second] =
+            [&self.gear1, &self.gear2].map(|gear| gear.rim_diameter_mm.is_some() || gear.teeth < 0);
+        let ring = usize::from(second || !first);
         (self.meshing == Meshing::Internal).then_some(ring)
     }
 }
@@ -267,11 +268,10 @@ impl GearFile {
             tip_relief root_relief profile_crowning_um profile_slope_um bias_um lead_crowning_um lead_slope_um
             end_relief lower_end_relief upper_end_relief topography_file
         };
-        let own = |flank: &Option<FlankFile>| flank.clone().unwrap_or_default();
         [
             ("", both),
-            ("drive_flank.", own(&self.drive_flank)),
-            ("coast_flank.", own(&self.coast_flank)),
+            ("drive_flank.", self.drive_flank.clone().unwrap_or_default()),
+            ("coast_flank.", self.coast_flank.clone().unwrap_or_default()),
         ]
     }
 }

@@ -29,14 +29,14 @@ pub(super) fn of_pair(
     geometry: &PairGeometry,
     folder: &Path,
 ) -> Result<(PairMicrogeometry, PairTeeth), Refusals> {
-    let gear = |i| Flanks {
+    let [one, two] = [0, 1].map(|i| Flanks {
         file,
         geometry,
         folder,
         i,
-    };
-    let [drive, coast] = [Flank::Drive, Flank::Coast]
-        .map(|flank| both(gear(0).resolved(flank), gear(1).resolved(flank)));
+    });
+    let [drive, coast] =
+        [Flank::Drive, Flank::Coast].map(|flank| both(one.resolved(flank), two.resolved(flank)));
     let ((drive1, drive2), (coast1, coast2)) = both(drive, coast)?;
     let modified = BothFlanks {
         drive: [drive1.0, drive2.0],

@@ -355,8 +355,7 @@ impl PairDraft {
     /// The limits at `field`; None where there are none.
     pub fn limits(&self, field: &str) -> Option<[f64; 2]> {
         let value = self.value(field)?;
-        let limit = |i: usize| value.get(i)?.as_f64();
-        Some([limit(0)?, limit(1)?])
+        Some([value.get(0)?.as_f64()?, value.get(1)?.as_f64()?])
     }
 
     /// Sets `field` to `value`, in the unit of its name; groups of fields on the way to it are made.

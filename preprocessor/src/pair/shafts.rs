@@ -19,11 +19,11 @@ pub(super) fn of_pair(
     file: &PairFile,
     geometry: &PairGeometry,
 ) -> Result<[Option<Shaft>; 2], Refusals> {
-    let of = |i: usize| match &file.gear(i).shaft {
+    let [one, two] = [0, 1].map(|i| match &file.gear(i).shaft {
         Some(given) => on_bearings(given, &geometry.gears[i], i),
         None => Ok(None),
-    };
-    both(of(0), of(1)).map(|(one, two)| [one, two])
+    });
+    both(one, two).map(|(one, two)| [one, two])
 }
 
 /// A note on shafts that give way by more than teeth can follow, as one that is overhung by mistake.
@@ -40,8 +40,8 @@ pub(super) fn note(
     }
     let overhung = (0..2).filter_map(|i| {
         let (shaft, middle) = (shafts[i].as_ref()?, 0.5 * geometry.gears[i].face_width);
-        let z = || shaft.bearings.iter().map(|b| b.z);
-        let [low, high] = [z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max)];
+        let z = shaft.bearings.iter().map(|b| b.z);
+        let [low, high] = [z.clone().fold(f64::INFINITY, f64::min), z.fold(f64::NEG_INFINITY, f64::max)];
         let [low_mm, high_mm, middle_mm] = [low, high, middle].map(|z| rounded(z / MM));
         (!(low..=high).contains(&middle)).then(|| {
             format!(
@@ -143,12 +143,9 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
         "give z of the lower end of the first section from the gear's z = 0 face, negative for a shaft that begins below it, \
          and sections that reach through the gear");
     let root = gear.root_radius();
-    let inside = |k: usize| ends[k] < seat[1] - UM && seat[0] + UM < ends[k + 1];
-    for (k, section) in shaft
-        .sections
-        .iter()
-        .enumerate()
-        .filter(|(k, _)| inside(*k))
+    let sections = shaft.sections.iter().enumerate();
+    for (k, section) in
+        sections.filter(|(k, _)| ends[*k] < seat[1] - UM && seat[0] + UM < ends[k + 1])
     {
         ensure!(section.radii[1] <= root + 0.5 * UM, path(&format!("sections.{k}.diameter_mm")) => rounded(2.0 * section.radii[1] / MM);
             "the section lies under the teeth, whose root circle has {:.3} mm", 2.0 * root / MM;

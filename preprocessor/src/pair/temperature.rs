@@ -17,25 +17,24 @@ fn temperature(file: &PairFile) -> f64 {
     file.operating.temperature_c.unwrap_or(OF_DRAWING)
 }
 
+fn check_expansion(file: &PairFile, field: &str, um: Option<f64>) -> Result<(), Refusal> {
+    let Some(um) = um else { return Ok(()) };
+    ensure!(file.operating.temperature_c.is_some(), field => um;
+        "nothing says how warm the gears are"; "give `operating.temperature_c`, or leave it out");
+    check(field, um, [0.0, 500.0])
+}
+
 /// Checks the fields that this module reads.
 pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
-    let expansion = |field: &str, um: Option<f64>| match um {
-        Some(um) => {
-            ensure!(file.operating.temperature_c.is_some(), field => um;
-                "nothing says how warm the gears are"; "give `operating.temperature_c`, or leave it out");
-            check(field, um, [0.0, 500.0])
-        }
-        None => Ok(()),
-    };
     if let Some(celsius) = file.operating.temperature_c {
         check("operating.temperature_c", celsius, [-100.0, 400.0])?;
     }
     let field = "housing_thermal_expansion_um_per_m_k";
-    expansion(field, file.housing_thermal_expansion_um_per_m_k)?;
+    check_expansion(file, field, file.housing_thermal_expansion_um_per_m_k)?;
     for i in 0..2 {
         let gear = file.gear(i);
         let field = in_gear(i, "thermal_expansion_um_per_m_k");
-        expansion(&field, gear.thermal_expansion_um_per_m_k)?;
+        check_expansion(file, &field, gear.thermal_expansion_um_per_m_k)?;
         let Some(table) = &gear.youngs_modulus_over_temperature else {
             continue;
         };
@@ -78,9 +77,13 @@ pub(super) fn expand(
     geometry: &mut PairGeometry,
     microgeometry: &mut PairMicrogeometry,
 ) -> Result<(), Refusal> {
-    let share = |um: Option<f64>| um.unwrap_or(0.0) * UM * (temperature(file) - OF_DRAWING);
-    let growth = [0, 1].map(|i| share(file.gear(i).thermal_expansion_um_per_m_k));
-    let of_housing = share(file.housing_thermal_expansion_um_per_m_k);
+    let [growth1, growth2, of_housing] = [
+        file.gear1.thermal_expansion_um_per_m_k,
+        file.gear2.thermal_expansion_um_per_m_k,
+        file.housing_thermal_expansion_um_per_m_k,
+    ]
+    .map(|um| um.unwrap_or(0.0) * UM * (temperature(file) - OF_DRAWING));
+    let growth = [growth1, growth2];
     if growth == [0.0; 2] && of_housing == 0.0 {
         return Ok(());
     }

@@ -57,15 +57,16 @@ impl History {
         let Some(last) = self.angle.len().checked_sub(1) else {
             return Vec::new();
         };
-        let cut = |edge: f64| {
-            // Angles rise, but for the swing of the teeth.
-            self.angle
-                .partition_point(|a| (a - self.angle[0]).abs() < edge)
-        };
         let half = PI * turns;
         let count = (angle(last) / half) as usize;
         (1..count)
-            .map(|k| cut((k as f64 - 1.0) * half)..cut((k as f64 + 1.0) * half))
+            .map(|k| {
+                // Angles rise, but for the swing of the teeth.
+                let [start, end] = [-1.0, 1.0]
+                    .map(|side| (k as f64 + side) * half)
+                    .map(|edge| (self.angle).partition_point(|a| (a - self.angle[0]).abs() < edge));
+                start..end
+            })
             .filter(|rows| rows.len() >= 16)
             .map(|rows| {
                 let (speed, rows) = self.window(rows);

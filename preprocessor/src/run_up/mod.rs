@@ -131,11 +131,14 @@ impl Sweep {
         self.check(duration, step)?;
 
         let mut unit = unit.clone();
-        let name = |i: usize| VARIABLES[i].name.to_owned();
-        unit.starts.insert(name(index::COUPLING), SEQUENTIAL);
-        unit.starts.insert(name(index::DAMPING), damping);
-        unit.starts
-            .insert(name(index::EFFECTIVE_MASS), self.reduced_mass(base));
+        unit.starts.extend(
+            [
+                (index::COUPLING, SEQUENTIAL),
+                (index::DAMPING, damping),
+                (index::EFFECTIVE_MASS, self.reduced_mass(base)),
+            ]
+            .map(|(i, value)| (VARIABLES[i].name.to_owned(), value)),
+        );
         let resources = Resources::new(unit, tables.cloned(), contact.cloned());
         let resources = resources.map_err(Refusal::error)?;
         let mut discs = Discs::new(&Arc::new(resources), self, stiffness, pitch, step)?;

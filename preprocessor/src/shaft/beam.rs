@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use super::clearance::Clearances;
 use crate::gear::{Bearing, Shaft};
 use gearmesh::gear::Gear;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -37,6 +38,16 @@ pub struct AtNode {
     pub linear: [f64; 3],
     /// N m, or rad.
     pub angular: [f64; 3],
+}
+
+impl AtNode {
+    /// Makes this `scale` times the sum of both.
+    pub(super) fn add_and_scale(&mut self, other: &AtNode, scale: f64) {
+        for i in 0..3 {
+            self.linear[i] = scale * (self.linear[i] + other.linear[i]);
+            self.angular[i] = scale * (self.angular[i] + other.angular[i]);
+        }
+    }
 }
 
 /// What a bearing bears: force (N) and tilting moment (N m) of the housing on the shaft.
@@ -177,14 +188,13 @@ impl Beam {
     ) -> (Vec<AtNode>, Vec<BearingLoad>) {
         let count = self.z.len();
         // Slopes of both planes: du_x/dz is the rotation about y, du_y/dz that about x, reversed.
-        let plane = |p: usize| {
+        let mut planes = [0, 1].map(|p| {
             DVector::from_fn(2 * count, |k, _| match (k % 2, p) {
                 (0, _) => loads[k / 2].linear[p],
                 (_, 0) => loads[k / 2].angular[1],
                 _ => -loads[k / 2].angular[0],
             })
-        };
-        let mut planes = [plane(0), plane(1)];
+        });
         let mut bent = planes.each_ref().map(|load| self.bending.solve(load));
         let lost = lost(&bent);
         if lost.iter().flatten().any(|force| *force != 0.0) {
@@ -198,22 +208,23 @@ impl Beam {
         let axial = DVector::from_fn(count, |i, _| loads[i].linear[2]);
         let axial = self.tension.solve(&axial);
         let twist = self.twist(loads);
-        let at = |i: usize| AtNode {
-            linear: [bent[0][2 * i], bent[1][2 * i], axial[i]],
-            angular: [-bent[1][2 * i + 1], bent[0][2 * i + 1], twist[i]],
-        };
-        let nodes: Vec<AtNode> = (0..count).map(at).collect();
+        let nodes: Vec<AtNode> = (0..count)
+            .map(|i| AtNode {
+                linear: [bent[0][2 * i], bent[1][2 * i], axial[i]],
+                angular: [-bent[1][2 * i + 1], bent[0][2 * i + 1], twist[i]],
+            })
+            .collect();
         let bearings = self
             .bearings
             .iter()
             .zip(&lost)
             .map(|((node, bearing), lost)| {
                 let AtNode { linear, angular } = nodes[*node];
-                let radial = |p: usize| lost[p] - bearing.radial_stiffness * linear[p];
-                let tilt = |p: usize| -bearing.tilt_stiffness * angular[p];
+                let [x, y] = [0, 1].map(|p| lost[p] - bearing.radial_stiffness * linear[p]);
+                let [tilt_x, tilt_y] = [0, 1].map(|p| -bearing.tilt_stiffness * angular[p]);
                 BearingLoad {
-                    linear: [radial(0), radial(1), -bearing.axial_stiffness * linear[2]],
-                    angular: [tilt(0), tilt(1), 0.0],
+                    linear: [x, y, -bearing.axial_stiffness * linear[2]],
+                    angular: [tilt_x, tilt_y, 0.0],
                 }
             })
             .collect();
@@ -240,21 +251,16 @@ impl Beam {
     }
 
     /// Force (N, in both planes) that each bearing bears less than it would without clearance, where the shaft would bend as `bent`.
-    ///
-    /// With the radial displacements r of all bearings, r_0 without clearance and S the stiffness of the shaft at its bearings,
-    /// r minimises (r - r_0)' S (r - r_0) / 2 - sum of G(r), G' = k min(|r|, c) r / |r|, k the stiffness and c half of the clearance:
-    /// convex, since S contains k. Newton's iteration with a line search.
     fn lost_to_clearance(&self, bent: &[DVector<f64>; 2]) -> Vec<[f64; 2]> {
         let count = self.bearings.len();
-        let free = |i: usize| self.bearings[i].1.free_radius;
         let nothing = vec![[0.0; 2]; count];
-        if (0..count).all(|i| free(i) == 0.0) {
+        if self.bearings.iter().all(|(_, b)| b.free_radius == 0.0) {
             return nothing;
         }
-        let rigid = DVector::from_fn(2 * count, |k, _| {
+        let displacements = DVector::from_fn(2 * count, |k, _| {
             bent[k / count][2 * self.bearings[k % count].0]
         });
-        if rigid.norm() == 0.0 {
+        if displacements.norm() == 0.0 {
             return nothing;
         }
         let mut stiffness = DMatrix::zeros(2 * count, 2 * count);
@@ -262,91 +268,13 @@ impl Beam {
             let mut block = stiffness.view_mut((plane * count, plane * count), (count, count));
             block.copy_from(&self.stiffness_at_bearings);
         }
-        let lost = |r: &DVector<f64>, i: usize| {
-            let (radius, k) = (
-                r[i].hypot(r[count + i]),
-                self.bearings[i].1.radial_stiffness,
-            );
-            let share = if radius > free(i) {
-                free(i) / radius
-            } else {
-                1.0
-            };
-            [k * share * r[i], k * share * r[count + i]]
-        };
-        let energy = |r: &DVector<f64>| {
-            let apart = r - &rigid;
-            let gained = (0..count).map(|i| {
-                let (radius, k) = (
-                    r[i].hypot(r[count + i]),
-                    self.bearings[i].1.radial_stiffness,
-                );
-                match radius > free(i) {
-                    true => k * free(i) * (radius - 0.5 * free(i)),
-                    false => 0.5 * k * radius * radius,
-                }
-            });
-            0.5 * apart.dot(&(&stiffness * &apart)) - gained.sum::<f64>()
-        };
-        // Begun with every clearance used up in the direction of the force.
-        let mut r = rigid.clone();
-        for i in 0..count {
-            let radius = rigid[i].hypot(rigid[count + i]);
-            if radius > 0.0 {
-                r[i] *= 1.0 + free(i) / radius;
-                r[count + i] *= 1.0 + free(i) / radius;
-            }
+        let bearings = self.bearings.iter().map(|(_, bearing)| *bearing).collect();
+        Clearances {
+            bearings,
+            stiffness,
+            displacements,
         }
-        let slope = |r: &DVector<f64>| {
-            let mut slope = &stiffness * (r - &rigid);
-            for i in 0..count {
-                let [x, y] = lost(r, i);
-                slope[i] -= x;
-                slope[count + i] -= y;
-            }
-            slope
-        };
-        let scale = (&stiffness * &rigid).norm();
-        for _ in 0..200 {
-            let slope_here = slope(&r);
-            if slope_here.norm() <= 1e-12 * scale {
-                break;
-            }
-            let mut bend = stiffness.clone();
-            for i in 0..count {
-                let k = self.bearings[i].1.radial_stiffness;
-                let (x, y) = (r[i], r[count + i]);
-                let radius = x.hypot(y);
-                let (along, across) = match radius > free(i) {
-                    true => (0.0, k * free(i) / radius),
-                    false => (k, k),
-                };
-                let (u, v) = if radius > 0.0 {
-                    (x / radius, y / radius)
-                } else {
-                    (1.0, 0.0)
-                };
-                bend[(i, i)] -= along * u * u + across * v * v;
-                bend[(count + i, count + i)] -= along * v * v + across * u * u;
-                bend[(i, count + i)] -= (along - across) * u * v;
-                bend[(count + i, i)] -= (along - across) * u * v;
-                // A shaft that floats in its clearances has no stiffness there.
-                bend[(i, i)] += 1e-9 * k;
-                bend[(count + i, count + i)] += 1e-9 * k;
-            }
-            let Some(factor) = bend.cholesky() else { break };
-            let step = factor.solve(&slope_here);
-            let (before, falls) = (energy(&r), slope_here.dot(&step));
-            let mut part = 1.0;
-            while part > 1e-15 && energy(&(&r - part * &step)) > before - 1e-4 * part * falls {
-                part *= 0.5;
-            }
-            if part <= 1e-15 {
-                break;
-            }
-            r -= part * step;
-        }
-        (0..count).map(|i| lost(&r, i)).collect()
+        .lost()
     }
 }
 
@@ -373,21 +301,20 @@ fn shoulders(shaft: &Shaft) -> Vec<Shoulder> {
     ends.extend(shaft.seat.map(|z| z.clamp(first, last)));
     ends.sort_by(f64::total_cmp);
     ends.dedup_by(|b, a| *b - *a < SAME_PLACE);
-    let radius = |piece: &[f64]| {
+    // Ends and outer radius between neighbouring ends.
+    let mut pieces = Vec::new();
+    for piece in ends.windows(2) {
         let z = 0.5 * (piece[0] + piece[1]);
         let sits = shaft.seat[0] <= z && z <= shaft.seat[1];
         let [_, outer] = shaft.radii_at(z);
-        if sits {
+        let radius = if sits {
             outer.max(shaft.seat_radius)
         } else {
             outer
-        }
-    };
-    let pieces: Vec<(&[f64], f64)> = ends
-        .windows(2)
-        .map(|piece| (piece, radius(piece)))
-        .collect();
-    let shoulder = |both: &[(&[f64], f64)]| {
+        };
+        pieces.push((piece, radius));
+    }
+    let shoulders = pieces.windows(2).map(|both| {
         let (thin, thick) = match both[0].1 < both[1].1 {
             true => (both[0], both[1]),
             false => (both[1], both[0]),
@@ -408,8 +335,8 @@ fn shoulders(shaft: &Shaft) -> Vec<Shoulder> {
             },
             softer: more.map(|length| 1.0 + length * thin.1 / part),
         }
-    };
-    pieces.windows(2).map(shoulder).collect()
+    });
+    shoulders.collect()
 }
 
 /// Ends of sections and of the seat, bearings, `places`, and as many between as a drawing needs, ascending.

@@ -13,6 +13,7 @@
 //! give way against the shaft is the finite-element model's, with the gear held at its bore.
 
 mod beam;
+mod clearance;
 
 use crate::gear::{Pair, Shaft};
 use crate::static_contact::{
@@ -89,9 +90,9 @@ pub struct ShaftState {
 impl ShaftState {
     /// How much less bending closes both ends of the face than its middle, m.
     pub fn bow(&self) -> f64 {
-        let bending = |i: usize| self.closing[i] - self.torsion[i];
         let (last, middle) = (self.z.len() - 1, self.z.len() / 2);
-        bending(middle) - 0.5 * (bending(0) + bending(last))
+        let [low, middle, high] = [0, middle, last].map(|i| self.closing[i] - self.torsion[i]);
+        middle - 0.5 * (low + high)
     }
 
     /// How much more torsion closes the end of large z than that of small z, m.
@@ -103,12 +104,6 @@ impl ShaftState {
     pub fn mean(states: &[ShaftState]) -> Option<ShaftState> {
         let mut all = states.first()?.clone();
         let share = 1.0 / states.len() as f64;
-        let scaled = |node: &mut AtNode, next: &AtNode, scale: f64| {
-            for i in 0..3 {
-                node.linear[i] = scale * (node.linear[i] + next.linear[i]);
-                node.angular[i] = scale * (node.angular[i] + next.angular[i]);
-            }
-        };
         for (k, state) in states.iter().enumerate().skip(1) {
             let scale = if k + 1 == states.len() { share } else { 1.0 };
             let lists = [
@@ -124,10 +119,10 @@ impl ShaftState {
             all.approach = scale * (all.approach + state.approach);
             for i in 0..2 {
                 for (sum, next) in all.bearings[i].iter_mut().zip(&state.bearings[i]) {
-                    scaled(sum, next, scale);
+                    sum.add_and_scale(next, scale);
                 }
                 for (sum, next) in all.axes[i].iter_mut().zip(&state.axes[i]) {
-                    scaled(&mut sum.1, &next.1, scale);
+                    sum.1.add_and_scale(&next.1, scale);
                 }
             }
         }
@@ -152,8 +147,9 @@ impl Shafts {
         let phi = geometry.operating_pressure_angle(c);
         let lean = s * geometry.gears[0].hand * geometry.base_helix_angle().tan();
         let (low, width) = geometry.face_overlap();
-        let place = |i: usize| low + width * i as f64 / (STATIONS - 1) as f64;
-        let z: Vec<f64> = (0..STATIONS).map(place).collect();
+        let z: Vec<f64> = (0..STATIONS)
+            .map(|i| low + width * i as f64 / (STATIONS - 1) as f64)
+            .collect();
         let arms = [
             sc * geometry.operating_pitch_radius(0, c),
             sc * geometry.operating_pitch_radius(0, c) - c,
@@ -162,7 +158,7 @@ impl Shafts {
             s * geometry.gears[0].base_radius(),
             s * e * geometry.gears[1].base_radius(),
         ];
-        let side = |i: usize| {
+        let sides = [0, 1].map(|i| {
             let gear = &geometry.gears[i];
             let own: Vec<f64> = z.iter().map(|z| z - gear.face_offset).collect();
             let beam = Beam::new(given[i].as_ref()?, gear, &own)?;
@@ -173,8 +169,7 @@ impl Shafts {
                 arm: arms[i],
                 turn: turns[i],
             })
-        };
-        let sides = [side(0), side(1)];
+        });
         if sides.iter().all(Option::is_none) {
             return None;
         }
@@ -452,11 +447,12 @@ impl BearingShares {
             moment[1] - self.middle * fx,
         ];
         self.shares.iter().map(move |share| {
-            let along = |axis: usize| -> f64 {
+            let [x, y] = [0, 1].map(|axis| {
                 let of = share.iter().zip(parts);
-                of.map(|(bearing, part)| bearing.linear[axis] * part).sum()
-            };
-            along(0).hypot(along(1))
+                of.map(|(bearing, part)| bearing.linear[axis] * part)
+                    .sum::<f64>()
+            });
+            x.hypot(y)
         })
     }
 }
@@ -496,8 +492,9 @@ pub fn misalignment_range(
         }
     }
     let margin = (MARGIN * (range[1] - range[0])).max(LEAST_MARGIN);
-    let outwards = |m: f64| (m.abs() / STEP - 1e-6).ceil() * STEP;
-    Some([-outwards(range[0] - margin), outwards(range[1] + margin)])
+    let [low, high] =
+        [range[0] - margin, range[1] + margin].map(|end| (end.abs() / STEP - 1e-6).ceil() * STEP);
+    Some([-low, high])
 }
 
 /// How far the gears give way at mid-face through shafts and bearings under the torque `torque` (N m on gear 1), on the flank on which it

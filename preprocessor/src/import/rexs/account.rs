@@ -25,10 +25,10 @@ impl Account {
 
     pub(super) fn lines(mut self) -> Vec<String> {
         self.0.sort_by_key(|(head, _)| *head);
-        let name = |head| format!("{head:?}").to_lowercase();
-        let lines = self.0.into_iter();
-        lines
-            .map(|(head, line)| format!("{}: {line}\n", name(head)))
-            .collect()
+        let lines = self.0.into_iter().map(|(head, line)| {
+            let head = format!("{head:?}").to_lowercase();
+            format!("{head}: {line}\n")
+        });
+        lines.collect()
     }
 }

@@ -3,7 +3,7 @@
 use gearmesh::words::rounded;
 use serde_json::Value;
 
-use super::model::{Attribute, Component, Result, RexsError, refused};
+use super::model::{Attribute, Component, Result, refused};
 
 /// Number of mm, degrees or GPa in the unit of REXS.
 fn scale(unit: &str) -> Option<f64> {
@@ -44,16 +44,12 @@ fn numbers(component: &Component, a: &Attribute) -> Result<Vec<f64>> {
         Value::Array(cells) => &cells[..],
         one => std::slice::from_ref(one),
     };
-    let number = |cell: &Value| {
+    let numbers = cells.iter().map(|cell| {
         let text = cell.as_str().and_then(|text| text.trim().parse().ok());
-        cell.as_f64()
-            .or(text)
-            .filter(|number: &f64| number.is_finite())
-    };
-    let numbers: Option<Vec<f64>> = cells
-        .iter()
-        .map(|c| Some(rounded(number(c)? * scale)))
-        .collect();
+        let number: Option<f64> = cell.as_f64().or(text);
+        Some(rounded(number.filter(|number| number.is_finite())? * scale))
+    });
+    let numbers: Option<Vec<f64>> = numbers.collect();
     a.is_taken.set(true);
     numbers.map_or_else(
         || refused(format!("{attribute} = {}: no number", a.shown())),
@@ -110,12 +106,11 @@ pub(super) fn vector(component: &Component, name: &str) -> Result<Option<[f64; 3
         return Ok(None);
     };
     let numbers = numbers(component, a)?;
-    let wrong = || {
-        RexsError(format!(
-            "attribute `{name}` of component {} = {}: no three numbers",
-            component.id,
-            a.shown()
-        ))
+    let Ok(numbers) = numbers.try_into() else {
+        let (id, value) = (&component.id, a.shown());
+        return refused(format!(
+            "attribute `{name}` of component {id} = {value}: no three numbers"
+        ));
     };
-    Ok(Some(numbers.try_into().map_err(|_| wrong())?))
+    Ok(Some(numbers))
 }

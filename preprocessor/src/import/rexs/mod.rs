@@ -20,7 +20,7 @@ use account::{Account, Head};
 use draft::Draft;
 pub use model::RexsError;
 use model::{Component, Model, Result, refused};
-use teeth::{Basic, Fields, SETTINGS, TOOLS};
+use teeth::{Basic, SETTINGS, TOOLS};
 
 /// Fields that are left out where the pair does not fit them, measures with their gauges.
 const OPTIONAL: [&[&str]; 7] = [
@@ -184,12 +184,8 @@ impl<'a> Draft<'a> {
             self.tip(i, &basic, fields)?;
             self.modifications(i, fields)?;
         }
-        let width = |gear: &Fields| {
-            gear.get("face_width_mm")
-                .and_then(Value::as_f64)
-                .unwrap_or(0.0)
-        };
-        let [b1, b2] = [width(&gears[0]), width(&gears[1])];
+        let widths = gears.each_ref().map(|gear| gear.get("face_width_mm"));
+        let [b1, b2] = widths.map(|width| width.and_then(Value::as_f64).unwrap_or(0.0));
         // A hundred newtons for each mm of face and of module.
         let usual = rounded((0.05 * b1.min(b2) * module * module * teeth[0]).ceil());
         if torque.is_none() {

@@ -14,7 +14,7 @@ from gearmesh import GearPair, Turning
 from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, GREEN, RED, figure as new_figure
 
-from examples.hosts.tables import show
+from examples.tables import show
 
 from . import driven
 from .files import OUT, PAIRS, save

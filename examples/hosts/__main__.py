@@ -11,9 +11,10 @@ import argparse
 import platform
 from pathlib import Path
 
+from examples.tables import show
+
 from .compare import HOSTS, Result, run
 from .scenario import revolution
-from .tables import show
 
 NAMES = {
     "fmpy": "fmpy",

@@ -10,7 +10,7 @@ import numpy as np
 from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, RED, figure as new_figure
 
-from examples.hosts.tables import show
+from examples.tables import show
 
 from ..files import OUT, save
 from . import linear

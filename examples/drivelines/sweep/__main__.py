@@ -22,7 +22,7 @@ from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 from gearmesh.sweep import grid, sweep
 
-from examples.hosts.tables import show
+from examples.tables import show
 
 from .. import driven
 from ..files import OUT, save, shipped

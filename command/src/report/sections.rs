@@ -174,8 +174,8 @@ fn load_share(case: &Case) -> Curve {
     let curve = through_mesh(case, shares);
     // Keep one point without load at either side.
     let all = curve.points.len();
-    let loaded = (0..all).filter(|i| curve.points[*i].1 > 0.0);
-    let (first, last) = (loaded.clone().next(), loaded.last());
+    let mut loaded = (0..all).filter(|i| curve.points[*i].1 > 0.0);
+    let (first, last) = (loaded.clone().next(), loaded.next_back());
     let start = first.unwrap_or(0).saturating_sub(1);
     let points = curve.points[start..all.min(last.unwrap_or(all) + 2)].to_vec();
     Curve { points, ..curve }

@@ -20,6 +20,7 @@ mod page;
 mod pair_summary;
 mod recipe;
 mod report;
+mod revolution;
 mod run_up;
 mod solve;
 mod statistics;

@@ -34,6 +34,10 @@ pub struct GridArgs {
     #[arg(long)]
     no_misalignment: bool,
 
+    /// Mean bodies only, for bodies that are no solids of revolution
+    #[arg(long)]
+    no_body: bool,
+
     /// Also how the load slides, for the effect `friction` of the FMU
     #[arg(long)]
     pub friction: bool,
@@ -72,6 +76,7 @@ pub fn compute(
         root_stress: args.root_stress,
         teeth: grid.teeth,
         contact,
+        body: !grid.no_body,
     };
     let pair = args.applied_to(pair::read(path)?);
     let settings = args.settings();

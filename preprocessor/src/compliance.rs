@@ -72,6 +72,20 @@ pub trait ToothCompliance: Send + Sync {
         None
     }
 
+    /// What the body adds to the work of the columns of `forces` (N on each segment) on the displacements by each other beyond the mean of all
+    /// teeth, m N, with each of `teeth` as that of [`ToothCompliance::at_tooth`]. None where teeth are alike.
+    ///
+    /// # Errors
+    /// Those of [`ToothCompliance::bulk`].
+    fn beyond_mean_body(
+        &self,
+        _segments: &[Segment],
+        _forces: &DMatrix<f64>,
+        _teeth: &[i32],
+    ) -> Result<Option<Vec<DMatrix<f64>>>, BeyondModel> {
+        Ok(None)
+    }
+
     /// Distance from the tip edge, m, down to which the model holds how a tooth gives way to a load: a load closer to the edge
     /// gives way in it as one at this distance. Zero for a model of half-planes, which knows no edge.
     fn corner_resolution(&self) -> f64 {

@@ -56,6 +56,7 @@ class TableOptions(ModelOptions, total=False):
     max_error: float
     no_center_distance: bool
     no_misalignment: bool
+    no_body: bool
     friction: bool
     root_stress: bool
     teeth: bool

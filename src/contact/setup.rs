@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::error::ContactError;
 use super::transverse::{PairNumbers, TransverseSection};
 use crate::friction::FrictionLaw;
-use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::gear::{BodyOrders, PairGeometry, PairMicrogeometry, PairTeeth};
 
 /// Stations along the face of a pair whose contacts are narrow.
 const MOST_STATIONS: usize = 40;
@@ -73,6 +73,9 @@ pub struct ContactSetup {
     /// Law of friction, on which no solution depends; `None` in files of earlier versions.
     #[serde(default)]
     pub friction: Option<FrictionLaw>,
+    /// How bodies that are no solids of revolution change the compliance with their angle; the matrices are those of their mean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<BodyOrders>,
 }
 
 /// Segments of one position, more than which are no contact of a pair: ten times those of the widest face.
@@ -93,6 +96,9 @@ impl ContactSetup {
             return Err(format!(
                 "{stations} stations of {pairs} tooth pairs: together 1 to {MOST_SEGMENTS} make sense"
             ));
+        }
+        if let Some(bodies) = &self.bodies {
+            (bodies.check()).map_err(|(value, reason)| format!("bodies = {value}: {reason}"))?;
         }
         for errors in [&self.teeth.drive, &self.teeth.coast] {
             for (gear, errors) in self.geometry.gears.iter().zip(errors) {

@@ -1,11 +1,12 @@
 //! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
 
+use super::bodies::Bodies;
 use super::dual::{Scalar, lift};
 use super::motion::ElementError;
 use crate::contact::{ContactError, ContactFile, RuntimeContact, Warm};
 use crate::friction::Sliding;
-use crate::gear::Flank;
 use crate::gear::teeth::Counts;
+use crate::gear::{Flank, TurningBodies};
 use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table, TeethFlank};
 use std::sync::Arc;
 
@@ -75,6 +76,8 @@ pub(crate) struct Law {
     finds_secondary: bool,
     /// -1 on axial positions of a mirrored flank.
     axial_factor: f64,
+    /// Bodies whose compliance changes with their angle, if they have an effect.
+    bodies: Option<Bodies>,
 }
 
 /// What a source may find beside the potential.
@@ -104,7 +107,7 @@ impl<T: Copy> Secondary<T> {
 }
 
 /// Secondary results as a source finds them.
-struct Found {
+pub(super) struct Found {
     secondary: Secondary<f64>,
     /// Slopes by each coordinate, as far as second derivatives of the potential brought them along.
     slopes: [Option<[f64; SECONDARY]>; COORDINATES],
@@ -143,8 +146,21 @@ impl Law {
                 _ => false,
             },
             axial_factor: sign,
+            bodies: None,
             source,
         }
+    }
+
+    /// The same with the bodies `turning` in series, which know their angle by the teeth in mesh.
+    #[must_use]
+    pub(crate) fn on_bodies(mut self, turning: TurningBodies) -> Self {
+        let [_, _, misalignment, _] = self.coordinate_factors;
+        self.tells_teeth_apart = true;
+        self.bodies = Some(Bodies {
+            turning: Arc::new(turning),
+            factors: [misalignment, misalignment.abs()],
+        });
+        self
     }
 
     /// `flank` of the pair's table, with the effects that it was made for.
@@ -269,7 +285,32 @@ impl Law {
     }
 
     #[inline]
-    fn potential(
+    pub(super) fn potential(
+        &self,
+        at: [f64; COORDINATES],
+        counts: Counts,
+        want_hessian: bool,
+        warm: &mut Warm,
+        found: &mut Option<Found>,
+    ) -> Result<Potential, ElementError> {
+        let Some(bodies) = &self.bodies else {
+            return self.of_source(at, counts, want_hessian, warm, found);
+        };
+        // Contact at run time has the second derivatives that a balance takes without more ado.
+        let want_hessian = want_hessian || !matches!(self.source, Source::Contact(_));
+        let balanced = bodies.in_series(at, counts, |at| {
+            self.of_source(at, counts, want_hessian, warm, found)
+        })?;
+        if let Some(found) = found {
+            // Known where the mean body stands, not by the coordinates.
+            found.slopes = [None; COORDINATES];
+        }
+        Ok(balanced)
+    }
+
+    /// [`Law::potential`] of the mean body.
+    #[inline(always)]
+    fn of_source(
         &self,
         at: [f64; COORDINATES],
         counts: Counts,
@@ -375,7 +416,11 @@ fn solved_potential(
         out_of_range: here.out_of_range,
         ..Potential::default()
     };
-    out.hessian[0][0] = here.tangent.force_by_approach;
+    let hessian = &mut out.hessian;
+    hessian[0][0] = here.tangent.force_by_approach;
+    hessian[0][2] = here.tangent.force_by_misalignment;
+    hessian[2][0] = here.tangent.force_by_misalignment;
+    hessian[2][2] = here.tangent.moment_by_misalignment;
     let found = found.insert(Found {
         secondary: secondary(here.sliding, here.root_stress),
         slopes: [None; COORDINATES],
@@ -383,10 +428,6 @@ fn solved_potential(
     if !want_hessian || here.gradient[0] == 0.0 {
         return Ok(out);
     }
-    let hessian = &mut out.hessian;
-    hessian[0][2] = here.tangent.force_by_misalignment;
-    hessian[2][0] = here.tangent.force_by_misalignment;
-    hessian[2][2] = here.tangent.moment_by_misalignment;
     for (axis, step) in STEPS {
         let [a, b, c, d, slopes @ ..] = central_difference(at, axis, step, |x| {
             let w = contact.potential(x, counts, warm)?;
@@ -397,8 +438,8 @@ fn solved_potential(
         found.slopes[axis] = Some(slopes);
         for (i, slope) in [a, b, c, d].into_iter().enumerate() {
             // Both mixed slopes of both axes are found: the last one counts for either.
-            hessian[i][axis] = slope;
-            hessian[axis][i] = slope;
+            out.hessian[i][axis] = slope;
+            out.hessian[axis][i] = slope;
         }
     }
     Ok(out)

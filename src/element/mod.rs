@@ -30,6 +30,7 @@
 //! An evaluation remembers nothing: phase offsets ([`PhaseOffset`]) and where a contact solve starts ([`Workspace`]) are the
 //! caller's. It allocates under contact at run time alone.
 
+mod bodies;
 mod constants;
 mod contact;
 mod dual;
@@ -59,7 +60,7 @@ pub use prediction::{Coupling, History, Loads, Mode, Prediction, Report, StepReq
 pub(crate) mod tests;
 
 use crate::contact::ContactFile;
-use crate::gear::PairGeometry;
+use crate::gear::{BodyOrders, PairGeometry, TurningBodies};
 use crate::table::{Effects, Table, TableError, TeethRecord};
 use crate::words::number;
 use constants::{Constants, FLANKS};
@@ -103,6 +104,7 @@ impl Element {
             ..parameters.table_effects(pair)
         };
         let laws = FLANKS.map(|flank| Law::contact(file, flank, effects));
+        let laws = on_bodies(laws, pair, parameters, file.setup.bodies.as_ref())?;
         let mut element = Self::build(pair, parameters, laws)?;
         if parameters.friction {
             let law = file.setup.friction.as_ref();
@@ -161,6 +163,7 @@ impl Element {
             return Err(ElementError::parameter("nominalTorque", &value, remedy));
         }
         let laws = FLANKS.map(|flank| Law::on_table(&table, flank));
+        let laws = on_bodies(laws, pair, parameters, file.bodies.as_ref())?;
         let mut element = Self::build(pair, parameters, laws)?;
         let teeth = (file.teeth.as_ref()).filter(|_| table.effects.teeth);
         if parameters.friction {
@@ -246,4 +249,24 @@ impl Element {
             Formulation::Paper => inputs.carrier.check("carrier"),
         }
     }
+}
+
+/// `laws` of the flanks of `pair` with its `bodies` in series, where `parameters` switch them on.
+/// Errors: there are none to switch on.
+fn on_bodies(
+    laws: [Law; 2],
+    pair: &PairGeometry,
+    parameters: &Parameters,
+    bodies: Option<&BodyOrders>,
+) -> Result<[Law; 2], ElementError> {
+    if !parameters.body_effect {
+        return Ok(laws);
+    }
+    let bodies = bodies.ok_or(TableError::NO_BODIES)?;
+    let [drive, coast] = laws;
+    let turning = |flank| TurningBodies::new(pair, bodies.flank(flank));
+    Ok([
+        drive.on_bodies(turning(FLANKS[0])),
+        coast.on_bodies(turning(FLANKS[1])),
+    ])
 }

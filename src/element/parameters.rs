@@ -100,6 +100,9 @@ pub struct Parameters {
     pub friction_transition_speed: f64,
     /// Stress in the tooth roots among the outputs, from the table.
     pub root_stress: bool,
+    /// Gear bodies that are no solids of revolution change the compliance with their angle, as the table or the contact holds;
+    /// off: their mean over all angles.
+    pub body_effect: bool,
 }
 
 impl Default for Parameters {
@@ -128,6 +131,7 @@ impl Default for Parameters {
             friction_factor: 1.0,
             friction_transition_speed: 1e-3,
             root_stress: false,
+            body_effect: false,
         }
     }
 }
@@ -191,10 +195,11 @@ impl Parameters {
             return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");
         }
         if self.stiffness_model == StiffnessModel::Constant {
-            let remedy = "a constant stiffness does not know where teeth touch: set stiffnessModel = table, teeth or contact, or this to false";
+            let remedy = "a constant stiffness knows neither teeth nor bodies: set stiffnessModel = table, teeth or contact, or this to false";
             for (name, on) in [
                 ("friction", self.friction),
                 ("rootStress", self.root_stress),
+                ("bodyEffect", self.body_effect),
             ] {
                 if on {
                     return Err(ElementError::parameter(name, "true", remedy));

@@ -86,6 +86,7 @@ impl Settings {
                 friction_factor: real(index::FRICTION_FACTOR),
                 friction_transition_speed: real(index::FRICTION_TRANSITION_SPEED),
                 root_stress: boolean(index::ROOT_STRESS),
+                body_effect: boolean(index::BODY_EFFECT),
             },
         })
     }

@@ -80,6 +80,10 @@ impl TableError {
         "rootStress = true: the contact of this FMU does not hold the stress in the tooth roots; switch rootStress off or \
          build the FMU with `gearmesh build --contact --root-stress`",
     );
+    pub(crate) const NO_BODIES: Self = TableError::Missing(
+        "bodyEffect = true: the tables do not hold a body that is no solid of revolution; set bodyEffect = false, or give the gear \
+         web_holes, rim_pins, rim_supports or body_matrix in the pair file and make the tables again",
+    );
     pub(crate) const NO_TEETH: Self = TableError::Missing(
         "stiffnessModel = teeth: the table does not hold tooth pairs one by one; set stiffnessModel = table or make \
          the tables with `gearmesh tables --teeth`",

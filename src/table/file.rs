@@ -7,7 +7,7 @@ use super::{
     TableError, TeethRecord,
 };
 use crate::accuracy::InterpolationError;
-use crate::gear::{Gear, PairGeometry};
+use crate::gear::{BodyOrders, Gear, PairGeometry};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -64,6 +64,10 @@ pub struct TableFile {
     /// Tooth pairs one by one, for `stiffnessModel = teeth`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub teeth: Option<TeethRecord>,
+    /// How bodies that are no solids of revolution change the compliance with their angle, for the effect `bodyEffect`: all else is of
+    /// their mean. Absent in tables of other bodies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<BodyOrders>,
 }
 
 /// The geometry of a pair with its gears by name.
@@ -127,6 +131,7 @@ impl TableFile {
             friction: None,
             root_stress: None,
             teeth: None,
+            bodies: None,
         };
         file.seal();
         file
@@ -222,6 +227,11 @@ impl TableFile {
         if let Some(record) = &self.root_stress {
             let coast = record.coast.as_ref().map(RootStressSamples::columns);
             (record.axes).check("root_stress", true, record.drive.columns(), coast)?;
+        }
+        if let Some(bodies) = &self.bodies
+            && let Err((value, reason)) = bodies.check()
+        {
+            return refused("bodies", value, reason);
         }
         self.teeth
             .as_ref()

@@ -40,7 +40,7 @@ def test_every_public_function_is_annotated_and_documented():
         assert thing.__doc__, name
         if not isinstance(thing, type):
             assert set(inspect.signature(thing).parameters) | {"return"} == set(thing.__annotations__), name
-            assert all(f"\n    {part}\n    ---" in thing.__doc__ for part in ("Parameters", "Yields" if "Iterator" in thing.__annotations__["return"] else "Returns")), name
+            assert all(f"\n{part}\n---" in inspect.getdoc(thing) for part in ("Parameters", "Yields" if "Iterator" in thing.__annotations__["return"] else "Returns")), name
 
 
 def test_solve_gives_what_the_command_prints():

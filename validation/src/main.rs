@@ -57,7 +57,13 @@ const FOLDERS: [(&str, &[(&str, Chapter)]); 5] = [
             ("cost", contact_at_run_time::cost::report),
         ],
     ),
-    ("tables", &[("edges", tables::edges::report)]),
+    (
+        "tables",
+        &[
+            ("bodies", tables::bodies::report),
+            ("edges", tables::edges::report),
+        ],
+    ),
 ];
 
 /// Measures what docs/ says of gearmesh.

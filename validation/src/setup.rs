@@ -76,7 +76,8 @@ pub fn models(pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
     )?)
 }
 
-fn cache() -> ModelCache {
+/// Where elastic models are kept.
+pub fn cache() -> ModelCache {
     let folder = in_repository("target/finite-elements");
     ModelCache::new(folder, ModelCache::DEFAULT_LIMIT)
 }

@@ -16,11 +16,11 @@ use crate::bands::bands_of;
 use crate::case::{Case, LEGEND, Variant, details, load, summary, torque_in_words};
 use crate::columns::{Column, Listing, columns, lines, list};
 use crate::error::Result;
-use crate::limits;
 use crate::model::{ModelArgs, ShaftArgs, widen};
 use crate::output::{self, Job};
 use crate::page::{Page, Section, origin};
 use crate::pair_summary::pair_summary;
+use crate::{limits, revolution};
 use sections::{Loads, evenly};
 
 /// Loads of the curves over the nominal torque; 70, 100, 130 N m of the paper's Fig. 20 are among them.
@@ -154,6 +154,9 @@ impl Report {
         complete_overview(&mut all[0], &pair, &nominal[0]);
         all.insert(1, table(solver, &aligned));
         if let Some(section) = shafts::section(&pair, &variant, loads)? {
+            all.insert(2, section);
+        }
+        if let Some(section) = revolution::section(&nominal[0], solver, &pair, job)? {
             all.insert(2, section);
         }
         if self.model.root_stress {

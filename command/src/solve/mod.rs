@@ -1,7 +1,6 @@
 //! `gearmesh solve PAIR.json`: mesh cycles, quasi-static, for one load or a matrix of loads.
 
 mod results;
-mod revolution;
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +8,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::words::{count, rounded};
-use gearmesh_preprocessor::contact::{CycleInput, LoadCase, Revolution};
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::shaft::misalignment_range;
@@ -24,9 +23,9 @@ use crate::case::{
 };
 use crate::columns::{Column, Listing, columns, list, rows, table};
 use crate::error::Result;
-use crate::limits;
 use crate::model::{Model, ModelArgs, ShaftArgs, widen};
 use crate::output::{self, Job};
+use crate::{limits, revolution};
 use results::{
     at_positions, largest_tooth, losses, nominal, nominal_stress, notes, positions, root_stress,
 };
@@ -206,12 +205,7 @@ impl Solve {
             &progress,
         )?;
         for case in cases.iter_mut().filter(|_| self.revolution) {
-            for gear in (0..2).filter(|gear| pair.bodies[*gear].is_some()) {
-                let progress = |share| job.show(&format!("turn of gear {}", gear + 1), share);
-                let (solver, shafts) = (&model.solver, &pair.shafts);
-                let turn = Revolution::solve(solver, shafts, &input, case.load, gear, &progress)?;
-                case.revolutions.push(turn);
-            }
+            revolution::solve(case, &model.solver, &pair, job)?;
         }
         Ok(Solved { pair, model, cases })
     }

@@ -19,7 +19,7 @@ use crate::columns::{Column, columns, csv, lists, object};
 use crate::error::Result;
 use crate::output;
 
-use super::revolution;
+use crate::revolution;
 
 /// Names of the files in the folder, of those of root stress, and of those of shafts on bearings.
 const NAMES: [&str; 5] = [

@@ -1,6 +1,7 @@
 //! What static contact says over a mesh cycle and in the tooth roots, and the elastic models of a pair condensed to what a solve at
 //! run time needs.
 
+mod body_orders;
 mod mesh_cycle;
 mod models;
 mod revolution;
@@ -16,6 +17,7 @@ use crate::static_contact::{ContactError, ContactSolver};
 use gearmesh::contact::{CondensedFlank, CondensedRoots, ContactFile, ContactSetup};
 use gearmesh::gear::Flank;
 
+pub use body_orders::body_orders;
 pub use mesh_cycle::{
     CycleInput, ENOUGH_SEGMENTS, FaceLoad, HARMONICS, Harmonic, LoadCase, MeshCycle, harmonics,
 };

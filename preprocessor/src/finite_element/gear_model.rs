@@ -190,6 +190,22 @@ impl ToothCompliance for FiniteElementCompliance {
         }))
     }
 
+    fn beyond_mean_body(
+        &self,
+        segments: &[Segment],
+        forces: &DMatrix<f64>,
+        teeth: &[i32],
+    ) -> Result<Option<Vec<DMatrix<f64>>>, BeyondModel> {
+        let Some(body) = &self.body else {
+            return Ok(None);
+        };
+        let alone: Vec<Load> = (0..segments.len()).map(|i| vec![(i, 1.0)]).collect();
+        let loads = self.loads(segments, &alone)?;
+        let loads = loads.iter().map(|load| (load.tooth, &load.weights));
+        let coordinates = body.coordinates(loads) * forces;
+        Ok(Some(body.beyond_mean(&coordinates, teeth)))
+    }
+
     fn work(
         &self,
         segments: &[Segment],

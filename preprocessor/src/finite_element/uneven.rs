@@ -124,6 +124,7 @@ impl Pattern {
             let middle = 0.5 * (radius + gear.held_radius);
             angles.extend(&divide(ends[0], ends[1], size / middle)[1..]);
         }
+        let outline = Outline::new(&ToothProfile::new(gear)?);
         let is_bore_held = self.support.is_none() && self.hole.is_none_or(|hole| !hole.pin);
         // Straight: round bodies are the same along any helix.
         let gear = Gear {
@@ -133,7 +134,6 @@ impl Pattern {
         };
         let section = Section::of_body(&gear, radius, &halved(&angles), size);
         let layers = Layers::new(&gear, &Discretization::of(Refinement::Normal));
-        let outline = Outline::new(&ToothProfile::new(&gear)?);
         let mut mesh = Mesh::new(&gear, &outline, &section, Some(&layers));
         let is_on =
             |point: &[f64; 3], radius: f64| (point[0].hypot(point[1]) / radius - 1.0).abs() < 1e-9;
@@ -233,6 +233,19 @@ impl BodyChange {
             None => &*self.mean,
         };
         rows.transpose() * (change * columns)
+    }
+
+    /// What the body turned on to each of `teeth` adds beyond its mean to the work of loads with these `coordinates`, those of
+    /// [`BodyChange::coordinates`] in the mean, on the displacements by each other, m N.
+    pub fn beyond_mean(&self, coordinates: &DMatrix<f64>, teeth: &[i32]) -> Vec<DMatrix<f64>> {
+        let beyond = &*self.whole - &*self.mean;
+        let at_tooth = |tooth: &i32| {
+            let mut turned = coordinates.clone();
+            let angle = TAU * f64::from(*tooth) / f64::from(self.teeth);
+            self.basis.turn(turned.as_view_mut(), angle);
+            turned.transpose() * (&beyond * &turned)
+        };
+        teeth.iter().map(at_tooth).collect()
     }
 }
 

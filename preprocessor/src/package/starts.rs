@@ -65,6 +65,7 @@ impl Starts {
             ),
             (index::MISALIGNMENT_EFFECT, number(effects.misalignment)),
             (index::SHUTTLING_EFFECT, number(shuttling)),
+            (index::BODY_EFFECT, number(file.bodies.is_some())),
         ];
         Ok(Self {
             stiffness: Stiffness::of_table(&table),

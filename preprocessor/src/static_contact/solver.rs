@@ -15,6 +15,7 @@ use gearmesh::contact::{
 };
 use gearmesh::friction::{FrictionLaw, Sliding, SlidingSums};
 use gearmesh::gear::{Flank, PairGeometry, PairTeeth, first_teeth};
+use nalgebra::DMatrix;
 
 /// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
 const TRIED: [f64; 2] = [0.0, 0.5];
@@ -108,6 +109,7 @@ impl ContactSolver {
                 corner_resolution,
                 form_rolls,
                 friction: Some(pair.friction),
+                bodies: None,
             },
             compliance,
             deflection: Deflection::default(),
@@ -199,15 +201,46 @@ impl ContactSolver {
     /// is no solid of revolution.
     #[must_use]
     pub fn after(mut self, flank: Flank, gear: usize, cycles: u32) -> ContactSolver {
-        let geometry = &self.setup.geometry;
-        let sense = flank.sign() * if gear == 0 { 1.0 } else { geometry.e() };
-        let first = first_teeth(geometry, flank)[gear] * sense as i32;
-        // Pair k is tooth k of gear 1 and tooth -k of gear 2 in canonical coordinates, and one less each cycle.
-        let tooth = first + [-1, 1][gear] * cycles as i32;
+        let tooth = self.first_tooth(flank, gear, cycles);
         if let Some(turned) = self.compliance[gear].at_tooth(tooth) {
             self.compliance[gear] = turned;
         }
         self
+    }
+
+    /// The tooth of `gear`, in canonical coordinates, that the model takes as tooth 0 after so many mesh cycles.
+    fn first_tooth(&self, flank: Flank, gear: usize, cycles: u32) -> i32 {
+        let geometry = &self.setup.geometry;
+        let sense = flank.sign() * if gear == 0 { 1.0 } else { geometry.e() };
+        let first = first_teeth(geometry, flank)[gear] * sense as i32;
+        // Pair k is tooth k of gear 1 and tooth -k of gear 2 in canonical coordinates, and one less each cycle.
+        first + [-1, 1][gear] * cycles as i32
+    }
+
+    /// What the body of `gear` adds to the work of the columns of `forces` (N on each segment of `problem`, which is loaded on `flank`) on the
+    /// displacements by each other beyond its mean over all angles, m N, after each number of mesh cycles of a turn. None of a solid of
+    /// revolution.
+    ///
+    /// # Errors
+    /// [`ContactError::BeyondModel`] where more teeth are in mesh than the elastic models hold.
+    pub fn beyond_mean_body(
+        &self,
+        flank: Flank,
+        problem: &PositionProblem,
+        gear: usize,
+        forces: &DMatrix<f64>,
+    ) -> Result<Option<Vec<DMatrix<f64>>>, ContactError> {
+        let teeth: Vec<i32> = (0..self.setup.geometry.gears[gear].teeth)
+            .map(|cycle| self.first_tooth(flank, gear, cycle))
+            .collect();
+        let seen: Vec<Segment> = problem.seen.iter().map(|both| both[gear]).collect();
+        let found = self
+            .model(flank, gear)
+            .beyond_mean_body(&seen, forces, &teeth);
+        found.map_err(|model| ContactError::BeyondModel {
+            center_distance_offset: problem.contact.center_distance_offset,
+            model,
+        })
     }
 
     /// The same pair with its flanks deflected along the face.
@@ -444,7 +477,7 @@ impl ContactSolver {
         let mut sums = [0.0; 2];
         for (i, sum) in sums.iter_mut().enumerate() {
             let seen: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
-            let bulk = self.model(&lines, i).bulk(&seen);
+            let bulk = self.model(flank, i).bulk(&seen);
             *sum = bulk.map_err(|model| beyond(&lines, model))?.sum();
         }
         let all = sums[0] + sums[1];
@@ -469,10 +502,10 @@ impl ContactSolver {
     }
 
     /// The elastic model of gear `i`, turned where the gear is seen from its other end.
-    fn model(&self, lines: &ContactLines<'_>, i: usize) -> &dyn ToothCompliance {
+    fn model(&self, flank: Flank, i: usize) -> &dyn ToothCompliance {
         let model: &dyn ToothCompliance = &*self.compliance[i];
         match model.turned() {
-            Some(turned) if self.setup.geometry.is_mirrored(lines.flank, i) => turned,
+            Some(turned) if self.setup.geometry.is_mirrored(flank, i) => turned,
             _ => model,
         }
     }
@@ -484,7 +517,7 @@ impl ContactSolver {
         segments: &[Candidate],
         seen: &[[Segment; 2]],
     ) -> Result<Influence, ContactError> {
-        let models = [0, 1].map(|i| self.model(lines, i));
+        let models = [0, 1].map(|i| self.model(lines.flank, i));
         influence(lines, models, segments, seen).map_err(|model| beyond(lines, model))
     }
 }

@@ -25,7 +25,7 @@ use super::sweep::{SolveQuality, WatchedSolver, sweep};
 use super::teeth::{TeethSweep, default_teeth_axes};
 use crate::contact::{
     CycleInput, ElasticModels, LoadCase, MeshCycle, ModelError, ModelSettings, RootModels,
-    StageProgress, condensed_roots, contact_file,
+    StageProgress, body_orders, condensed_roots, contact_file,
 };
 use crate::finite_element::{FiniteElementError, Origin};
 use crate::pair::modifications;
@@ -56,10 +56,12 @@ pub struct Recipe {
     pub teeth: bool,
     /// What its `stiffnessModel = contact` needs to solve static contact at run time.
     pub contact: bool,
+    /// What bodies that are no solids of revolution do beyond their mean, for its `bodyEffect`, where the pair has any.
+    pub body: bool,
 }
 
 impl Default for Recipe {
-    /// The force over all axes of the pair, and no effects.
+    /// The force over all axes of the pair with its bodies, and no effects.
     fn default() -> Recipe {
         Recipe {
             center_distance: true,
@@ -69,6 +71,7 @@ impl Default for Recipe {
             root_stress: false,
             teeth: false,
             contact: false,
+            body: true,
         }
     }
 }
@@ -236,6 +239,9 @@ impl Recipe {
         if self.friction {
             file.friction = Some(sweeps.sliding()?);
         }
+        if self.body {
+            file.bodies = body_orders(pair, &models.solver)?;
+        }
         account.contact_seconds = begin.elapsed().as_secs_f64();
 
         let begin = Instant::now();
@@ -253,6 +259,9 @@ impl Recipe {
         if self.contact || self.teeth {
             let solver = models.solver_at_run_time();
             let mut level = contact_file(pair, &solver)?;
+            Arc::make_mut(&mut level.setup)
+                .bodies
+                .clone_from(&file.bodies);
             if self.contact && self.root_stress {
                 if level.coast.is_some() && roots.len() == 1 {
                     // Teeth that differ have a coast flank of their own at run time, even where flanks are mirrored.

@@ -1,5 +1,6 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
+use gearmesh::gear::{BodyOrder, BodyOrders};
 use gearmesh::table::{LoadAxes, TableFile, TeethRecord};
 use gearmesh::words::{count, fixed, rounded};
 
@@ -50,6 +51,11 @@ pub fn summary(file: &TableFile) -> Vec<(String, String)> {
     rows.extend(
         (file.teeth.as_ref()).map(|teeth| ("tooth pairs one by one", teeth_in_words(teeth))),
     );
+    rows.extend(
+        file.bodies
+            .as_ref()
+            .map(|bodies| ("bodies", bodies_in_words(bodies))),
+    );
     let settings = file.solver.iter().map(|(name, value)| {
         let is_of_gear = name.starts_with("modifications");
         let prefix = if is_of_gear { "" } else { "solver: " };
@@ -62,6 +68,23 @@ pub fn summary(file: &TableFile) -> Vec<(String, String)> {
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value));
     rows.chain(settings).collect()
+}
+
+/// The strongest order of each body under loads on the drive flank.
+fn bodies_in_words(bodies: &BodyOrders) -> String {
+    let of_gear = |(gear, orders): (usize, &Vec<BodyOrder>)| {
+        let size = |part: &BodyOrder| part.approach_m_per_n[0].hypot(part.approach_m_per_n[1]);
+        let strongest = orders.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        Some(format!(
+            "gear {} changes the compliance {} times a turn by {:.3} um/kN ({} orders)",
+            gear + 1,
+            strongest.order,
+            1e9 * size(strongest),
+            orders.len()
+        ))
+    };
+    let gears = bodies.drive.iter().enumerate();
+    gears.filter_map(of_gear).collect::<Vec<_>>().join("; ")
 }
 
 /// Nodes, flanks and measured error in one line.

@@ -4,7 +4,7 @@ use super::*;
 use crate::friction::{FrictionLaw, Sliding};
 use crate::gear::samples::{gear, thinned};
 use crate::gear::teeth::Counts;
-use crate::gear::{GearKind, PairGeometry, involute};
+use crate::gear::{BodyOrder, BodyOrders, GearKind, PairGeometry, involute};
 use crate::random::Random;
 use crate::root::bisection;
 use crate::table::samples::Spring;
@@ -94,6 +94,37 @@ pub(crate) fn smooth(pair: &PairGeometry, formulation: Formulation, flank: Loade
         ..undamped(formulation, flank)
     };
     Element::with_laws(pair, &parameters, Arc::new(DRIVE), None).unwrap()
+}
+
+/// Orders of both bodies of a pair that change the compliance of a [`Spring`] by up to `share` of itself, other ones on either flank.
+pub(crate) fn body_orders(share: f64) -> BodyOrders {
+    let part = |order: u32, size: f64| BodyOrder {
+        order,
+        approach_m_per_n: [4e-9, 3e-9].map(|x| x * share * size),
+        tilt_rad_per_n: [20e-9, -10e-9].map(|x| x * share * size),
+        tilt_rad_per_nm: [-3e-6, 2e-6].map(|x| x * share * size),
+    };
+    BodyOrders {
+        drive: [vec![part(3, 1.0), part(20, 0.3)], vec![part(2, -0.8)]],
+        coast: [vec![part(3, 0.9)], vec![part(2, 0.5), part(4, 0.7)]],
+    }
+}
+
+/// The element of `pair` on a table of [`Spring`]s with these bodies, undamped.
+pub(crate) fn with_bodies(
+    pair: &PairGeometry,
+    bodies: BodyOrders,
+    formulation: Formulation,
+    flank: LoadedFlank,
+) -> Element {
+    let mut file = spring_file(pair, [100.0, 200.0], [8, 5, 5, 12]);
+    file.bodies = Some(bodies);
+    let parameters = Parameters {
+        stiffness_model: StiffnessModel::Table,
+        body_effect: true,
+        ..undamped(formulation, flank)
+    };
+    Element::new(pair, &parameters, Some(sealed(file))).unwrap()
 }
 
 /// That of the paper's pair on one flank, with `damping`.

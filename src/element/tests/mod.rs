@@ -1,5 +1,6 @@
 //! Claims about the element.
 
+mod bodies;
 mod constant_load;
 mod damping;
 pub(crate) mod fixtures;

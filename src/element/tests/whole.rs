@@ -66,13 +66,15 @@ fn rotating_and_moving_the_world_rotates_the_wrench() {
     }
 }
 
-/// Elements whose wrench must be a gradient: constant stiffness and all table effects, every flank.
+/// Elements whose wrench must be a gradient: constant stiffness, all table effects, and bodies in series, every flank.
 fn conservative_elements() -> Vec<Element> {
     let mut elements = Vec::new();
     for pair in [1.0, -1.0].map(three_pairs).into_iter().flatten() {
         for flank in [LoadedFlank::Drive, LoadedFlank::Coast, LoadedFlank::Both] {
             elements.push(constant(&pair, Formulation::Conjugate, flank));
             elements.push(smooth(&pair, Formulation::Conjugate, flank));
+            let bodies = body_orders(0.01);
+            elements.push(with_bodies(&pair, bodies, Formulation::Conjugate, flank));
         }
     }
     elements

@@ -17,7 +17,7 @@ use super::settings::Settings;
 use super::uneven::{self, BodyChange};
 use super::work::{FlankLoad, work_between};
 use crate::compliance::{self, BeyondModel, Load, ToothCompliance};
-use crate::gear::{UnevenBody, body};
+use crate::gear::{BodyShape, UnevenBody, body};
 
 /// Finite-element model of one gear, reduced to its loaded flank.
 #[derive(Debug, Clone)]
@@ -108,7 +108,16 @@ impl FiniteElementCompliance {
             Some(turned) => of_teeth(&turned)?,
             None => own.clone(),
         };
-        let stiffness = uneven::stiffness(gear, uneven_body, &basis)?;
+        let stiffness = match &uneven_body.shape {
+            // Read with the pair file.
+            BodyShape::Nodes(_) => uneven::stiffness(gear, uneven_body, &basis)?,
+            _ => {
+                let held = (gear.held_radius, gear.body);
+                let what = format!("{basis:?} on {uneven_body:?} {held:?} ");
+                let compute = || uneven::stiffness(gear, uneven_body, &basis);
+                cache::get(cache, &Model::new(&cut, settings)?, &what, compute)?.0
+            }
+        };
         let mut turned = self.turned.as_deref().unwrap_or(self).clone();
         turned.body = Some(BodyChange::new(gear, basis, &stiffness, other, true)?);
         Ok(FiniteElementCompliance {

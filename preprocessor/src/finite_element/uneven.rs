@@ -249,6 +249,22 @@ impl BodyChange {
     }
 }
 
+/// The stiffness of a body, as [`stiffness`] gives it.
+impl Stored for DMatrix<f64> {
+    fn encode(&self) -> Vec<u8> {
+        self.iter().flat_map(|x| x.to_le_bytes()).collect()
+    }
+
+    fn decode(bytes: &[u8]) -> Option<DMatrix<f64>> {
+        let (words, rest) = bytes.as_chunks::<8>();
+        let size = words.len().isqrt();
+        let is_square = rest.is_empty() && size * size == words.len();
+        is_square.then(|| {
+            DMatrix::from_iterator(size, size, words.iter().map(|x| f64::from_le_bytes(*x)))
+        })
+    }
+}
+
 impl Stored for Cut {
     fn encode(&self) -> Vec<u8> {
         let size = [self.by_flank.nrows(), self.by_flank.ncols()];

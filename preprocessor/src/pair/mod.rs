@@ -230,8 +230,8 @@ fn resolve_pair(
 }
 
 /// Where bodies count that are no solids of revolution.
-const NOTE_ON_BODIES: &str = "a body is no solid of revolution: `solve --revolution` follows it over a turn; all other results, tables and FMU \
-                              are those of its mean over all angles; root stress knows no holes and a ring that is held all around";
+const NOTE_ON_BODIES: &str = "a body is no solid of revolution: `solve --revolution` and `report` follow it over a turn, FMUs with `bodyEffect`; all \
+                              other results are those of its mean over all angles; root stress knows no holes and a ring that is held all around";
 
 /// Sets centre distance and backlash; a note on profile shifts that do not fit.
 fn in_mesh(file: &PairFile, geometry: &mut PairGeometry) -> Result<Option<String>, Refusal> {

@@ -15,5 +15,5 @@ mod tests;
 
 pub use deflection::Deflection;
 pub use error::ContactError;
-pub use position::{ContactResult, EdgeLoad, PositionProblem, SegmentLoad};
+pub use position::{ContactResult, EdgeLoad, PositionProblem, Resultant, SegmentLoad};
 pub use solver::{ContactSolver, contact_settings};

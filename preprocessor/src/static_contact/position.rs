@@ -122,6 +122,46 @@ pub struct ContactResult {
     pub segments: Vec<SegmentLoad>,
 }
 
+/// Force and moment of an equilibrium, and what the next solve starts from: all that tables need of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resultant {
+    /// As [`ContactResult::approach`], m.
+    pub approach: f64,
+    /// Misalignment, rad.
+    pub misalignment: f64,
+    /// As [`ContactResult::loa_force`], N.
+    pub loa_force: f64,
+    /// As [`ContactResult::moment`], N m.
+    pub moment: f64,
+    /// As [`ContactResult::kkt_residual`].
+    pub kkt_residual: f64,
+    /// Newton steps it took.
+    pub iterations: usize,
+    /// Derivatives at the solution.
+    pub tangent: Tangent,
+    /// As [`ContactResult::excess`].
+    pub excess: Option<Failure>,
+    /// Force on each segment, N, and its derivatives by the approach, N/m, and by the misalignment, N/rad.
+    segments: Vec<[f64; 3]>,
+}
+
+impl From<&ContactResult> for Resultant {
+    fn from(result: &ContactResult) -> Self {
+        let segment = |s: &SegmentLoad| [s.force, s.slopes[0], s.slopes[1]];
+        Resultant {
+            approach: result.approach,
+            misalignment: result.misalignment,
+            loa_force: result.loa_force,
+            moment: result.moment,
+            kkt_residual: result.kkt_residual,
+            iterations: result.iterations,
+            tangent: result.tangent,
+            excess: result.excess,
+            segments: result.segments.iter().map(segment).collect(),
+        }
+    }
+}
+
 impl ContactResult {
     /// Centroid of the load along the face, m in gear 1's frame; NaN without load.
     pub fn load_centroid(&self) -> f64 {
@@ -216,13 +256,37 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
+        let warm = warm.map(Resultant::from);
+        let solution = self.solution(prescribed, misalignment, warm.as_ref())?;
+        Ok(self.result(solution, misalignment))
+    }
+
+    /// Force and moment alone, likewise, from the forces of `warm` if there is one.
+    ///
+    /// # Errors
+    /// As [`PositionProblem::solve_beyond`].
+    pub fn resultant(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&Resultant>,
+    ) -> Result<Resultant, ContactError> {
+        let solution = self.solution(prescribed, misalignment, warm)?;
+        Ok(self.resultant_of(&solution, misalignment))
+    }
+
+    fn solution(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&Resultant>,
+    ) -> Result<Solution, ContactError> {
         let predicted = warm.map(|warm| self.predicted(prescribed, misalignment, warm));
         let start = predicted.as_ref().map(|(forces, approach)| Start {
             forces,
             approach: *approach,
         });
-        let solution = self.contact.solution(prescribed, misalignment, start)?;
-        Ok(self.result(solution, misalignment))
+        Ok(self.contact.solution(prescribed, misalignment, start)?)
     }
 
     /// Forces on the segments, N, and approach, m, to which the derivatives at `warm` lead.
@@ -230,7 +294,7 @@ impl PositionProblem {
         &self,
         prescribed: Prescribed,
         misalignment: f64,
-        warm: &ContactResult,
+        warm: &Resultant,
     ) -> (Vec<f64>, f64) {
         let tilt = misalignment - warm.misalignment;
         let tangent = warm.tangent;
@@ -244,7 +308,9 @@ impl PositionProblem {
                 if rise.is_finite() { rise } else { 0.0 }
             }
         };
-        let force = |s: &SegmentLoad| (s.force + s.slopes[0] * rise + s.slopes[1] * tilt).max(0.0);
+        let force = |[force, by_approach, by_misalignment]: &[f64; 3]| {
+            (force + by_approach * rise + by_misalignment * tilt).max(0.0)
+        };
         let forces = warm.segments.iter().map(force).collect();
         (forces, warm.approach + rise)
     }
@@ -332,22 +398,40 @@ impl PositionProblem {
         }
     }
 
+    fn resultant_of(&self, solution: &Solution, misalignment: f64) -> Resultant {
+        let (moment, tangent, [by_approach, by_misalignment]) = self.contact.moment(solution);
+        let mut segments: Vec<[f64; 3]> = solution.force.iter().map(|&f| [f, 0.0, 0.0]).collect();
+        for (place, &i) in solution.active.iter().enumerate() {
+            segments[i][1] = by_approach[place];
+            segments[i][2] = by_misalignment[place];
+        }
+        Resultant {
+            approach: solution.approach,
+            misalignment,
+            loa_force: self.contact.arm.dot(&solution.force),
+            moment,
+            kkt_residual: solution.kkt_residual,
+            iterations: solution.iterations,
+            tangent,
+            excess: solution.excess,
+            segments,
+        }
+    }
+
     /// What `solution` says, whose segments lie where contact is.
     fn result_here(&self, solution: &Solution, misalignment: f64) -> ContactResult {
         let gap = match &solution.placed {
             Some(placed) => placed.gap.clone(),
             None => self.contact.gaps(misalignment),
         };
-        let loa_force = self.contact.arm.dot(&solution.force);
+        let resultant = self.resultant_of(solution, misalignment);
+        let Resultant {
+            loa_force, moment, ..
+        } = resultant;
         let over_force = |value: f64| match loa_force > 0.0 {
             true => value / loa_force,
             false => 0.0,
         };
-        let (moment, tangent, [by_approach, by_misalignment]) = self.contact.moment(solution);
-        let mut slopes = vec![[0.0; 2]; gap.len()];
-        for (place, &i) in solution.active.iter().enumerate() {
-            slopes[i] = [by_approach[place], by_misalignment[place]];
-        }
         let mut edge_loads = self.edge_loads(solution, &gap);
         let mut pressures = self.pressures(&solution.loads, &edge_loads);
         for (i, law) in self.contact.local.iter().enumerate() {
@@ -358,7 +442,7 @@ impl PositionProblem {
         let mut load_share: Vec<(i32, f64)> = Vec::new();
         let mut segments = Vec::with_capacity(gap.len());
         for (i, candidate) in self.contact.candidates.iter().enumerate() {
-            let force = solution.force[i];
+            let [force, by_approach, by_misalignment] = resultant.segments[i];
             let share = over_force(self.contact.arm[i] * force);
             match load_share.last_mut() {
                 Some((k, sum)) if *k == candidate.tooth_pair => *sum += share,
@@ -371,7 +455,7 @@ impl PositionProblem {
                 roll: candidate.roll,
                 seen: self.seen[i],
                 force,
-                slopes: slopes[i],
+                slopes: [by_approach, by_misalignment],
                 pressure: pressures[i],
                 edge: edge_loads[i],
                 gap: (least - solution.closing[i]).max(0.0),
@@ -394,7 +478,7 @@ impl PositionProblem {
             edge_load: edge_loads.into_iter().fold(None, EdgeLoad::larger),
             kkt_residual: solution.kkt_residual,
             iterations: solution.iterations,
-            tangent,
+            tangent: resultant.tangent,
             excess: solution.excess,
             segments,
         }

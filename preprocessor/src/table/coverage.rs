@@ -186,26 +186,71 @@ pub fn tilt(
 
 pub(super) const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// A torque on gear 1, N m, at a query whose approach is not known yet.
-pub(super) type OperatingPoint = (f64, Query);
+/// Held-out points of a table that share a mesh position and a centre distance, whose influence matrix costs as much as many
+/// solves.
+pub(super) const TOGETHER: usize = 8;
+
+/// Random operating points at one mesh position and centre distance.
+pub(super) struct Held {
+    pub mesh_position: f64,
+    /// m.
+    pub center_distance_offset: f64,
+    /// Torques on gear 1, N m, and misalignments, rad.
+    pub loads: Vec<[f64; 2]>,
+}
 
 impl Coverage {
-    /// `count` random operating points: torques even in (0, maximum), mesh positions in a cycle, the other coordinates in their
-    /// ranges.
-    pub(super) fn draw(&self, mut random: Random, count: usize) -> Vec<OperatingPoint> {
-        let mut point = || {
-            let torque = self.maximum_torque * random.next();
-            (torque, self.draw_query(&mut random, 1.0))
+    /// At least `count` random operating points, `together` of them at a position: torques even in (0, maximum), mesh positions
+    /// in a cycle, the other coordinates in their ranges.
+    ///
+    /// They are a Latin hypercube (McKay, Beckman, Conover, Technometrics 21 (1979) 239-245): each coordinate has one value in each
+    /// of as many equal parts of its range as it has values, in random order. So what follows one coordinate alone leaves next to no
+    /// scatter in means over the points. Measured on three shipped pairs: 1000 of them, eight at a position, scatter about the error
+    /// of the table no more than 1000 independent points do (5, 7 and 14 % of the rms error of the force for 5, 8 and 15 %).
+    pub(super) fn draw(&self, mut random: Random, count: usize, together: usize) -> Vec<Held> {
+        let positions = count.div_ceil(together);
+        let mut spread = |n: usize, range: Option<[f64; 2]>| match range {
+            Some(range) => stratified(&mut random, n, range),
+            None => vec![0.0; n],
         };
-        (0..count).map(|_| point()).collect()
+        let mesh_positions = spread(positions, Some([0.0, 1.0]));
+        let offsets = spread(positions, self.center_distance_offset);
+        let torques = spread(positions * together, Some([0.0, self.maximum_torque]));
+        let misalignments = spread(positions * together, self.misalignment);
+        let loads: Vec<[f64; 2]> = torques
+            .into_iter()
+            .zip(misalignments)
+            .map(<[f64; 2]>::from)
+            .collect();
+        let at = mesh_positions.into_iter().zip(offsets);
+        let held = at.zip(loads.chunks(together));
+        held.map(|((mesh_position, center_distance_offset), loads)| Held {
+            mesh_position,
+            center_distance_offset,
+            loads: loads.to_vec(),
+        })
+        .collect()
     }
 
-    /// A random point of the other coordinates, its mesh position within `cycles`.
+    /// A random point but for its approach, its mesh position within `cycles`.
     pub(super) fn draw_query(&self, random: &mut Random, cycles: f64) -> Query {
         let [c, m] = [self.center_distance_offset, self.misalignment]
             .map(|range| range.map_or(0.0, |range| random.within(range)));
         Query::from([0.0, c, m, cycles * random.next()])
     }
+}
+
+/// `n` numbers in [low, high), one in each of `n` equal parts, in random order.
+fn stratified(random: &mut Random, n: usize, [low, high]: [f64; 2]) -> Vec<f64> {
+    let part = (high - low) / n as f64;
+    let mut numbers: Vec<f64> = (0..n)
+        .map(|i| low + part * (i as f64 + random.next()))
+        .collect();
+    // Fisher and Yates.
+    for i in (1..n).rev() {
+        numbers.swap(i, (random.next() * (i + 1) as f64) as usize);
+    }
+    numbers
 }
 
 /// Force (N) and its moment at an end of the face (N m) that errors are related to.
@@ -234,37 +279,40 @@ impl Nominal {
     }
 }
 
+/// Errors at all of `held` by what `at` says of those at one position.
 pub(super) fn errors<const N: usize>(
-    points: Vec<OperatingPoint>,
-    error: impl Fn(OperatingPoint) -> Result<[f64; N], TableError> + Sync,
+    held: &[Held],
+    at: impl Fn(&Held) -> Result<Vec<[f64; N]>, TableError> + Sync,
 ) -> Result<Vec<[f64; N]>, TableError> {
-    points.into_par_iter().map(&error).collect()
+    let errors: Vec<Vec<[f64; N]>> = held.par_iter().map(&at).collect::<Result<_, _>>()?;
+    Ok(errors.concat())
 }
 
-/// Error of the gradient that `found` gives of a potential against `source` at `points`.
+/// Error of the gradient that `found` gives of a potential against `source` at the points `held`.
 pub(super) fn measure_at(
     source: &dyn StaticSource,
     flank: Flank,
     nominal: Nominal,
     found: impl Fn(&Query) -> Result<[f64; 4], ContactError> + Sync,
-    points: Vec<OperatingPoint>,
+    held: &[Held],
 ) -> Result<InterpolationError, TableError> {
-    let errors = errors(points, |(torque, mut q)| {
-        let [_, c, m, p] = q.coordinates();
-        let failed = |error| solve_error(flank, [c, m, p], error);
-        let exact = source
-            .position(flank, p, c)
-            .and_then(|mut position| position.solve(Prescribed::Torque(torque), m))
-            .map_err(failed)?;
-        q.delta = exact.approach;
-        let found = found(&q).map_err(failed)?;
-        Ok(nominal.errors(&found, exact.loa_force, exact.moment))
+    let errors = errors(held, |held| {
+        let (p, c) = (held.mesh_position, held.center_distance_offset);
+        let failed = |m: f64| move |error| solve_error(flank, [c, m, p], error);
+        let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
+        let error = |&[torque, m]: &[f64; 2]| {
+            let exact = position.solve(Prescribed::Torque(torque), m);
+            let exact = exact.map_err(failed(m))?;
+            let found = found(&Query::from([exact.approach, c, m, p])).map_err(failed(m))?;
+            Ok(nominal.errors(&found, exact.loa_force, exact.moment))
+        };
+        held.loads.iter().map(error).collect()
     })?;
     Ok(InterpolationError::of(&errors))
 }
 
 /// Error of `table` against `source` at `points` random operating points: torques even in (0, maximum), the
-/// other coordinates even in their ranges.
+/// other coordinates even in their ranges. They are at least as many, eight at each of their mesh positions and centre distances.
 ///
 /// # Errors
 /// A solve that fails.
@@ -276,14 +324,13 @@ pub fn measure(
     table: &FlankTable,
     points: usize,
 ) -> Result<InterpolationError, TableError> {
-    let points = coverage.draw(Random::new(SEED), points);
     let nominal = Nominal::new(geometry, coverage);
     measure_at(
         source,
         flank,
         nominal,
         |q| Ok(table.evaluate(q, false).gradient),
-        points,
+        &coverage.draw(Random::new(SEED), points, TOGETHER),
     )
 }
 
@@ -301,7 +348,7 @@ pub fn measure_at_run_time(
     let mut alike = contact.clone();
     Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
     let level = alike.flank(flank).ok_or_else(no_coast_flank)?;
-    let points = coverage.draw(Random::new(SEED), points);
+    let held = coverage.draw(Random::new(SEED), points, 1);
     let nominal = Nominal::new(&contact.setup.geometry, coverage);
     measure_at(
         source,
@@ -311,7 +358,7 @@ pub fn measure_at_run_time(
             let found = level.potential(q.coordinates(), [0; 2], &mut Warm::default())?;
             Ok(found.gradient)
         },
-        points,
+        &held,
     )
 }
 

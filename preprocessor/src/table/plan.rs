@@ -10,7 +10,7 @@
 //! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
-    Coverage, Nominal, SEED, close_for, displacement_nodes, measure_at, mesh_positions,
+    Coverage, Nominal, SEED, TOGETHER, close_for, displacement_nodes, measure_at, mesh_positions,
 };
 use super::sweep::{Progress, StaticSource, sweep};
 use gearmesh::gear::{Flank, PairGeometry};
@@ -67,13 +67,13 @@ pub fn table_within(
     ];
     let measured = |grid: &FlankGrid, points: usize, seed: u64| {
         let table = FlankTable::new(grid, Interpolation::Spline)?;
-        let points = coverage.draw(Random::new(seed), points);
+        let held = coverage.draw(Random::new(seed), points, TOGETHER);
         measure_at(
             source,
             Flank::Drive,
             nominal,
             |q| Ok(table.evaluate(q, false).gradient),
-            points,
+            &held,
         )
     };
     // The largest of a few hundred errors is not the largest there is: leave it a third.

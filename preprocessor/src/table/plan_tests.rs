@@ -87,6 +87,40 @@ fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_o
 }
 
 #[test]
+fn held_out_points_have_a_value_in_every_part_of_each_range_and_share_positions() {
+    let coverage = coverage();
+    let held = coverage.draw(Random::new(SEED), 100, 8);
+    assert_eq!(held.len(), 13);
+    assert!(held.iter().all(|held| held.loads.len() == 8));
+    let loads: Vec<[f64; 2]> = held.iter().flat_map(|held| held.loads.clone()).collect();
+    for (values, [low, high]) in [
+        (held.iter().map(|h| h.mesh_position).collect(), [0.0, 1.0]),
+        (
+            held.iter().map(|h| h.center_distance_offset).collect(),
+            [-100e-6, 100e-6],
+        ),
+        (loads.iter().map(|l| l[0]).collect(), [0.0, 20.0]),
+        (
+            loads.iter().map(|l| l[1]).collect::<Vec<f64>>(),
+            [-3e-3, 3e-3],
+        ),
+    ] {
+        let n = values.len();
+        let part = |x: &f64| ((x - low) / (high - low) * n as f64) as usize;
+        let mut parts: Vec<usize> = values.iter().map(part).collect();
+        assert!(!parts.is_sorted(), "in random order");
+        parts.sort_unstable();
+        assert_eq!(parts, (0..n).collect::<Vec<_>>());
+    }
+    let parallel = Coverage {
+        misalignment: None,
+        ..coverage
+    };
+    let held = parallel.draw(Random::new(SEED), 4, 1);
+    assert!(held.iter().all(|held| held.loads[0][1] == 0.0));
+}
+
+#[test]
 fn only_the_dimensions_asked_for_are_computed() {
     let done = AtomicUsize::new(0);
     let watched = |now, all| {

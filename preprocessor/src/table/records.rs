@@ -1,7 +1,7 @@
 //! Fills the samples over the load with static solutions, how it slides and what stress it makes in the roots, and measures what
 //! the spline through the latter misses.
 
-use super::coverage::{Coverage, SEED, errors, mesh_positions};
+use super::coverage::{Coverage, SEED, TOGETHER, errors, mesh_positions};
 use super::sweep::{Progress, solve_error, sweep_columns};
 use crate::contact::PositionRoots;
 use crate::finite_element::RootStress;
@@ -93,21 +93,11 @@ impl RootStressSweep<'_> {
         let [c, m, force, p] = axes.nodes();
         let total = axes.lengths().iter().product();
         let all = sweep_columns([c, p], total, progress, |c, p, report| {
-            self.column([c, p], [m, force], report)
+            let column = Column::new(self.solver, self.flank, [c, p])?;
+            let roots = PositionRoots::new(&column.problem, self.models);
+            column.solve([m, force], report, |result| roots.largest(result))
         })?;
         Ok(RootStressSamples::new(&all))
-    }
-
-    /// Largest stress of either gear, Pa; arguments as of [`Column::solve`].
-    fn column(
-        &self,
-        at: [f64; 2],
-        loads: [&[f64]; 2],
-        report: &dyn Fn(usize),
-    ) -> Result<Vec<[f64; 2]>, TableError> {
-        let column = Column::new(self.solver, self.flank, at)?;
-        let roots = PositionRoots::new(&column.problem, self.models);
-        column.solve(loads, report, |result| roots.largest(result))
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
@@ -126,13 +116,19 @@ impl RootStressSweep<'_> {
         let stress = |query: [f64; 4]| -> [f64; 2] { table.evaluate(query).map(|jet| jet.value) };
         let cycle = (0..CYCLE).map(|i| stress([nominal, 0.0, 0.0, i as f64 / CYCLE as f64]));
         let largest = cycle.fold([0.0f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let drawn = coverage.draw(Random::new(SEED), points);
-        let errors = errors(drawn, |(torque, q)| {
-            let [_, c, m, p] = q.coordinates();
-            let force = torque / rb;
-            let exact = self.column([c, p], [&[m], &[force]], &|_| ())?[0];
-            let found = stress([force, c, m, p]);
-            Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
+        let drawn = coverage.draw(Random::new(SEED), points, TOGETHER);
+        let errors = errors(&drawn, |held| {
+            let (p, c) = (held.mesh_position, held.center_distance_offset);
+            let column = Column::new(self.solver, self.flank, [c, p])?;
+            let roots = PositionRoots::new(&column.problem, self.models);
+            let error = |&[torque, m]: &[f64; 2]| {
+                let force = torque / rb;
+                let exact =
+                    column.solve([&[m], &[force]], &|_| (), |result| roots.largest(result))?[0];
+                let found = stress([force, c, m, p]);
+                Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
+            };
+            held.loads.iter().map(error).collect()
         })?;
         Ok(RootStressError::of(&errors))
     }

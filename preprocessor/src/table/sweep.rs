@@ -1,6 +1,6 @@
 //! Static solutions: where they come from, and the sweep that fills a grid with them.
 
-use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use crate::static_contact::{ContactError, ContactSolver, PositionProblem, Resultant};
 use gearmesh::accuracy::is_beyond;
 use gearmesh::contact::Prescribed;
 use gearmesh::friction::{FrictionLaw, Sliding};
@@ -25,8 +25,8 @@ pub struct Sample {
     pub sliding: Sliding,
 }
 
-impl From<&ContactResult> for Sample {
-    fn from(result: &ContactResult) -> Self {
+impl From<&Resultant> for Sample {
+    fn from(result: &Resultant) -> Self {
         Sample {
             approach: result.approach,
             loa_force: result.loa_force,
@@ -68,7 +68,7 @@ pub struct SolveQuality {
     pub solves: usize,
     /// Most Newton steps that one of them took.
     pub most_iterations: usize,
-    /// Largest KKT residual, see [`ContactResult::kkt_residual`].
+    /// Largest KKT residual, see [`Resultant::kkt_residual`].
     pub kkt_residual: f64,
 }
 
@@ -99,32 +99,38 @@ impl<'a> WatchedSolver<'a> {
 
 impl StaticSource for WatchedSolver<'_> {
     fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError> {
-        Ok(Box::new(SolverPosition {
-            problem: self.solver.position(flank, p, c)?,
-            warm: None,
-            top: None,
-            watched: Some(self),
-        }))
+        let problem = self.solver.position(flank, p, c)?;
+        Ok(Box::new(SolverPosition::new(problem, Some(self))))
     }
 }
 
 impl StaticSource for ContactSolver {
     fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError> {
-        Ok(Box::new(SolverPosition {
-            problem: self.position(flank, p, c)?,
-            warm: None,
-            top: None,
-            watched: None,
-        }))
+        Ok(Box::new(SolverPosition::new(
+            self.position(flank, p, c)?,
+            None,
+        )))
     }
 }
 
-/// A position of the contact solver with the last solution, from which the next one starts, and the last one under a torque.
+/// A position of the contact solver with the last solution, from which the next one starts.
 struct SolverPosition<'a> {
     problem: PositionProblem,
-    warm: Option<ContactResult>,
-    top: Option<ContactResult>,
+    last: Option<Resultant>,
+    /// The last one under a torque.
+    top: Option<Resultant>,
     watched: Option<&'a WatchedSolver<'a>>,
+}
+
+impl<'a> SolverPosition<'a> {
+    fn new(problem: PositionProblem, watched: Option<&'a WatchedSolver<'a>>) -> Self {
+        SolverPosition {
+            problem,
+            top: None,
+            last: None,
+            watched,
+        }
+    }
 }
 
 impl StaticPosition for SolverPosition<'_> {
@@ -133,23 +139,17 @@ impl StaticPosition for SolverPosition<'_> {
     }
 
     fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, ContactError> {
-        let problem = &self.problem;
         let warm = match prescribed {
             Prescribed::Torque(_) => self.top.as_ref(),
-            Prescribed::Approach(_) => self.warm.as_ref(),
+            Prescribed::Approach(_) => self.last.as_ref(),
         };
+        let problem = &self.problem;
+        let result = problem.resultant(prescribed, misalignment, warm)?;
         let range = self.watched.and_then(|watched| watched.misalignments);
-        let result = match prescribed {
-            _ if range.is_some_and(|range| is_beyond(range, misalignment)) => {
-                problem.solve_beyond(prescribed, misalignment, warm)?
-            }
-            Prescribed::Torque(torque) => problem.solve_torque(torque, misalignment, warm)?,
-            Prescribed::Approach(approach) => {
-                problem.solve_approach(approach, misalignment, warm)?
-            }
-        };
-        if let Prescribed::Torque(_) = prescribed {
-            self.top = Some(result.clone());
+        let is_inside = !range.is_some_and(|range| is_beyond(range, misalignment));
+        if let Some(failure) = result.excess.filter(|_| is_inside) {
+            let contact = &problem.contact;
+            return Err(contact.unsolved(prescribed, misalignment, failure).into());
         }
         if let Some(watched) = self.watched {
             let quality = &watched.quality;
@@ -158,7 +158,12 @@ impl StaticPosition for SolverPosition<'_> {
             sum.most_iterations = sum.most_iterations.max(result.iterations);
             sum.kkt_residual = sum.kkt_residual.max(result.kkt_residual);
         }
-        Ok(Sample::from(&*self.warm.insert(result)))
+        let sample = Sample::from(&result);
+        if let Prescribed::Torque(_) = prescribed {
+            self.top = Some(result.clone());
+        }
+        self.last = Some(result);
+        Ok(sample)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Makes the table of one tooth pair, finds what couples neighbours, and measures both against contact at run time.
 
 use super::coverage::{
-    Coverage, Nominal, SEED, displacement_nodes, errors, mesh_positions, no_coast_flank,
+    Coverage, Nominal, SEED, displacement_nodes, mesh_positions, no_coast_flank,
 };
 use super::sweep::{Progress, solve_error, sweep};
 use super::tooth_pair::ToothPair;
@@ -137,8 +137,8 @@ impl TeethSweep<'_> {
             let query = self.coverage.draw_query(&mut random, turn);
             (self.coverage.maximum_torque * random.next(), query)
         };
-        let points = (0..points).map(|_| point()).collect();
-        let errors = errors(points, |(torque, mut q)| {
+        let points: Vec<(f64, Query)> = (0..points).map(|_| point()).collect();
+        let error = |(torque, mut q): (f64, Query)| {
             q.delta = approach(&level, &q, torque / rb);
             let found = level.evaluate(&q, [0; 2], false);
             let at @ [_, c, m, p] = q.coordinates();
@@ -146,7 +146,9 @@ impl TeethSweep<'_> {
                 .potential(at, [0; 2], &mut Warm::default())
                 .map_err(|error| solve_error(flank, [c, m, p], error))?;
             Ok(nominal.errors(&found.gradient, exact.gradient[0], exact.gradient[2]))
-        })?;
+        };
+        let errors = points.into_par_iter().map(error);
+        let errors = errors.collect::<Result<Vec<_>, TableError>>()?;
         Ok(InterpolationError::of(&errors))
     }
 }

@@ -6,7 +6,9 @@
 
 use super::coverage::Coverage;
 use super::sweep::{Position, Sample, StaticPosition, StaticSource, solve_error};
-use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use crate::static_contact::{
+    ContactError, ContactResult, ContactSolver, PositionProblem, Resultant,
+};
 use gearmesh::contact::Prescribed;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
@@ -165,7 +167,7 @@ impl StaticPosition for ToothPairPosition<'_> {
         let solver = &self.pair.solver;
         let mut sample = Sample {
             sliding: solver.sliding(&self.problem, result, &solver.friction()),
-            ..Sample::from(&*result)
+            ..Sample::from(&Resultant::from(&*result))
         };
         if let Prescribed::Approach(approach) = prescribed {
             sample.approach = approach;

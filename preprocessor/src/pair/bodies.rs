@@ -182,7 +182,9 @@ const LEAST_LENGTH: f64 = 0.1;
 /// Harmonics that nodes resolve at least: four nodes a wave.
 const FEWEST_ORDERS: usize = 8;
 /// Most nodes: the matrix has nine times their square as numbers.
-const MOST_NODES: usize = 5000;
+const MOST_NODES: usize = 2000;
+/// Longest file of a matrix, bytes: half of that of the most nodes with all digits.
+const LONGEST_MATRIX: u64 = 512 << 20;
 /// Difference of a number to its mirror image over the largest number that still is rounding.
 const UNSYMMETRIC: f64 = 1e-6;
 /// Least over largest stiffness in the basis: a body that is held nowhere has rounding.
@@ -199,16 +201,16 @@ fn of_matrix(
 ) -> Result<UnevenBody, Refusal> {
     let path = |name: &str| in_gear(i, &format!("body_matrix.{name}"));
     check(&path("angle_deg"), given.angle_deg, [-360.0, 360.0])?;
-    let read = |field: &str, name: &str| {
-        let path = folder.join(name);
-        text::read(&path).map_err(|error| {
-            refusal!(field => path.display(); "cannot be read: {error}"; "give a file beside the pair file, and that you may read")
-        })
-    };
     let field = path("nodes_file");
     let file = &given.nodes_file;
     let refused = |problem: String, remedy: &str| refusal!(&field => file; "{problem}"; "{remedy}");
-    let mut points = nodes(&read(&field, file)?)
+    let text = text::read(&folder.join(file)).map_err(|error| {
+        refused(
+            format!("cannot be read: {error}"),
+            "give a file beside the pair file, and that you may read",
+        )
+    })?;
+    let mut points = nodes(&text)
         .map_err(|problem| refused(problem, "give CSV with the columns x_mm, y_mm and z_mm, a row a node, in the order of the matrix"))?;
     let count = points.len();
     ensure!((24..=MOST_NODES).contains(&count), &field => file;
@@ -257,7 +259,9 @@ fn of_matrix(
     let field = path("stiffness_n_per_mm_file");
     let file = &given.stiffness_n_per_mm_file;
     let refused = |problem: String, remedy: &str| refusal!(&field => file; "{problem}"; "{remedy}");
-    let stiffness = matrix_market(&read(&field, file)?)
+    let text = text::read_up_to(&folder.join(file), LONGEST_MATRIX, "that of 2000 nodes is as long")
+        .map_err(|error| refused(format!("cannot be read: {error}"), "give a file beside the pair file, and that you may read; condense to fewer nodes, and write `symmetric`"))?;
+    let stiffness = matrix_market(&text)
         .map_err(|problem| refused(problem, "give a file of the Matrix Market, `coordinate` or `array`, `real`, `general` or `symmetric`"))?;
     let size = 3 * count;
     ensure!(stiffness.shape() == (size, size), &field => file;

@@ -44,15 +44,25 @@ const LONGEST: u64 = 4 << 20;
 
 /// The text of the file at `path`, of at most 4 MiB.
 pub(super) fn read(path: &std::path::Path) -> std::io::Result<String> {
+    read_up_to(path, LONGEST, "a pair file has a few thousand bytes")
+}
+
+/// The text of the file at `path` of at most so many bytes, a number of MiB; `usual` says what such files have.
+pub(super) fn read_up_to(
+    path: &std::path::Path,
+    longest: u64,
+    usual: &str,
+) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     // One byte more than allowed shows a longer file, even where no length is known.
-    let mut file = crate::storage::open(path)?.take(LONGEST + 1);
-    let is_long = file.read_to_end(&mut bytes)? as u64 > LONGEST;
+    let mut file = crate::storage::open(path)?.take(longest + 1);
+    let is_long = file.read_to_end(&mut bytes)? as u64 > longest;
+    let too_long = format!("longer than {} MiB, and {usual}", longest >> 20);
     let problem = match String::from_utf8(bytes) {
         Err(error) if error.as_bytes().starts_with(b"PK") => {
             "an archive, such as an FMU, and no text"
         }
-        _ if is_long => "longer than 4 MiB, and a pair file has a few thousand bytes",
+        _ if is_long => &too_long,
         Err(_) => "no text in UTF-8",
         Ok(text) => return Ok(text),
     };

@@ -6,7 +6,7 @@ PYTHON ?= python3
 CARGO ?= cargo
 VENV := .venv
 GEARMESH := target/release/gearmesh
-DRIVELINES := housing planetary response cosimulation rattle sweep loss tutorial
+DRIVELINES := housing holes planetary response cosimulation rattle sweep loss tutorial
 export PYTHON
 
 .PHONY: all setup build demo test lint licenses report examples bench callgrind release clean distclean
@@ -138,7 +138,7 @@ report: examples
 	cp target/study/figures/measure-of-the-points-in-their-order.svg docs/img/study-optimizer.svg
 	cp target/study/samples.csv docs/data/study-optimizer.csv
 	cp target/drivelines/*.png docs/drivelines/
-	cp $(addprefix target/drivelines/,response.csv sweep-branches.csv loss.csv) docs/data/drivelines/
+	cp $(addprefix target/drivelines/,response.csv sweep-branches.csv loss.csv holes.csv) docs/data/drivelines/
 	$(VENV)/bin/python -m examples.drivelines.tutorial --docs docs
 	$(VENV)/bin/python -m scripts.docs.figures
 

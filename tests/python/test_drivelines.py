@@ -11,7 +11,7 @@ import pytest
 from conftest import ROOT
 from scipy.sparse import csc_matrix, hstack, identity
 from scipy.sparse.linalg import spsolve
-from examples.drivelines import loss
+from examples.drivelines import holes, loss
 from examples.drivelines.cosimulation import balance as cosimulation, masters, ssp
 from examples.drivelines.housing import cases as housing, walls
 from examples.drivelines.housing.model import HELICAL, SPUR
@@ -229,6 +229,15 @@ def test_run_up_jumps_at_a_higher_speed_than_run_down_and_both_leave_the_linear_
     at, swing = gearmesh.swing(run.up, "transmission_error_um")
     touching = (at > 1700.0) & (at < 2200.0)
     assert swing[touching] == pytest.approx(np.interp(at[touching], speeds, linear_line), rel=0.15)
+
+
+@pytest.mark.slow
+def test_holes_in_a_web_make_sidebands_of_the_mesh_in_the_velocity_of_the_walls():
+    with_holes, mean_wheel = (holes.levels(body_effect, turns=3) for body_effect in (True, False))
+    z, n = holes.SPUR.teeth[1], holes.HOLES
+    assert with_holes[z] == pytest.approx(mean_wheel[z], abs=1.0)  # dB
+    assert with_holes[n] > mean_wheel[n] + 30.0
+    assert with_holes[z - n] > mean_wheel[z - n] + 10.0
 
 
 @pytest.mark.parametrize("law", loss.LAWS)

@@ -88,6 +88,24 @@ def validation() -> None:
     save(figure, "validation")
 
 
+def builds() -> None:
+    """Error of tables over the processor time of their build, by method."""
+    figure, axis = plt.subplots(figsize=(8, 4.2))
+    found = rows("tables/builds.csv")
+    for i, pair in enumerate(dict.fromkeys(row["pair"] for row in found)):
+        for method, line in (("cf25a0e", "--"), ("today", "-")):
+            of = [row for row in found if (row["pair"], row["method"]) == (pair, method)]
+            points = [(float(row["processor time, s"]), float(row["force, rms error, % of the nominal force"])) for row in of]
+            # The first is the default grid.
+            axis.loglog(*zip(*points[1:]), line, marker="o", ms=4, color=f"C{i}", label=f"{pair}, {method}")
+            axis.loglog(*points[0], "o", ms=10, color=f"C{i}", mfc="none" if method != "today" else None)
+    axis.set(xlabel="processor time of a build, s", ylabel="rms error of the force, % of the nominal one")
+    axis.legend(fontsize=9)
+    axis.grid(alpha=0.3, which="both")
+    save(figure, "builds")
+
+
 if __name__ == "__main__":
     levels()
+    builds()
     validation()

@@ -25,6 +25,7 @@ WHEEL = {
 }  # fmt: skip
 SPEED, TORQUE = 1200.0, 150.0  # rpm, N m
 TURNS = 10  # shown, after as many in which the walls come to rest
+FLOOR = 30.0  # dB, of the figure
 ORDERS = 2 * SPUR.teeth[1] + 2 * HOLES
 
 
@@ -46,11 +47,11 @@ def levels(body_effect: bool, turns: int = TURNS) -> np.ndarray:
     with unit(SPUR, choices, built(pair_file())) as pair:
         torque = lambda time: TORQUE * rise(time)  # noqa: E731
         line = Driveline(SPUR, pair, speed=SPEED * RPM, motor=torque, load=torque)
-        # Whole turns, so that each order has a line of its own.
         samples = round(turns * turn / STEP)
         _, waves = line.run(2 * turns * turn, STEP, lambda _, q, q_t, q_tt: line.housing.waves @ q_t[line.walls])
-    amplitudes = 2.0 * np.abs(np.fft.rfft(waves[-samples - 1 : -1], axis=0)) / samples
-    squares = 0.5 * (amplitudes[:: turns] ** 2).sum(axis=1)
+    window = np.hanning(samples)
+    amplitudes = 2.0 * np.abs(np.fft.rfft(window[:, None] * waves[-samples - 1 : -1], axis=0)) / window.sum()
+    squares = 0.5 * (amplitudes[::turns] ** 2).sum(axis=1)
     return decibels(np.sqrt(squares[: ORDERS + 1]), VELOCITY)
 
 
@@ -58,8 +59,8 @@ def main() -> None:
     found = {"six holes": levels(True), "mean wheel": levels(False)}
     figure, axis = new_figure(1)
     for (name, level), colour, shift in zip(found.items(), (BLUE, RED), (-0.2, 0.2)):
-        axis.vlines(np.arange(ORDERS + 1) + shift, 0.0, level, color=colour, label=name)
-    axis.set(xlabel="order of gear 2", ylabel="mean square normal velocity of all walls, dB re 1 nm/s", ylim=(0.0, None))
+        axis.vlines(np.arange(ORDERS + 1) + shift, FLOOR, np.maximum(level, FLOOR), color=colour, label=name)
+    axis.set(xlabel="order of gear 2", ylabel="velocity of all walls, dB re 1 nm/s", ylim=(FLOOR, None))
     axis.legend(fontsize=8)
     save(figure, "holes")
     z = SPUR.teeth[1]

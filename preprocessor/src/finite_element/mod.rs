@@ -7,9 +7,9 @@
 //! ```
 //!
 //! The result are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on the flank
-//! nodes of tooth 0 (docs/theory/compliance.md). A [`Segment`] is a line load spread across its contact line by a smooth
+//! nodes of tooth 0 (docs/theory/compliance.md). A [`Segment`](gearmesh::contact::Segment) is a line load spread across its contact line by a smooth
 //! kernel; weights f on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement,
-//! and [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact does not depend
+//! and [`reference_lengths`](crate::compliance::ToothCompliance::reference_lengths) says how much, so that the sum with the Hertz contact does not depend
 //! on the kernel's width.
 
 mod cache;

@@ -44,6 +44,11 @@ const MEMORY: f64 = 0.98;
 /// Weight of no change at all, over the mean square of what was seen: for accelerations, and for forces, whose mobility is known roughly.
 const RIDGE: f64 = 1e-4;
 const RIDGE_OF_FORCES: f64 = 3e-3;
+/// Theta above which the master is taken to set velocities first, and its distance from 1/2 within which bodies move exactly.
+const VELOCITIES_FIRST: f64 = 0.9;
+const EXACT_BODIES: f64 = 0.25;
+/// Theta from which on velocities are set by the force just read: loads one step late do not look like that.
+const SET_AT_ONCE: f64 = 0.75;
 /// Changes of force over the nominal one that show nothing.
 const NOISE: f64 = 1e-6;
 
@@ -179,6 +184,8 @@ struct Model {
     product: [[f64; UNKNOWNS]; 2],
     /// The coefficients that they give.
     coefficients: [[f64; UNKNOWNS]; 2],
+    /// Theta - 1/2 of the rule to which little excitation leaves it.
+    rule: f64,
 }
 
 fn dot(a: &[f64; UNKNOWNS], b: &[f64; UNKNOWNS]) -> f64 {
@@ -202,6 +209,17 @@ impl Model {
         error
     }
 
+    /// Keeps to the rule theta = 1 once theta is near it, and to 1/2 again where it is near that or near 0.
+    fn keep_rule(&mut self) {
+        let [by_a, by_d] = &self.coefficients;
+        let theta = (0.5 - by_d[ORDER]) / (1.0 - by_a[ORDER]);
+        if theta > VELOCITIES_FIRST {
+            self.rule = 0.5;
+        } else if theta < 1.0 - VELOCITIES_FIRST || (theta - 0.5).abs() < EXACT_BODIES {
+            self.rule = 0.0;
+        }
+    }
+
     /// By Cholesky's decomposition; `least` is a square that is added.
     fn solve(&mut self, size: usize, least: f64) {
         let trace: f64 = (0..size).map(|i| self.square[i][i]).sum();
@@ -223,8 +241,15 @@ impl Model {
                 }
             }
         }
-        for (solution, product) in self.coefficients.iter_mut().zip(&self.product) {
+        if size == UNKNOWNS {
+            self.keep_rule();
+        }
+        for (k, (solution, product)) in self.coefficients.iter_mut().zip(&self.product).enumerate()
+        {
             let mut x = *product;
+            if k == 1 && size == UNKNOWNS {
+                x[ORDER] -= self.rule * (RIDGE_OF_FORCES * mean + least);
+            }
             for i in 0..size {
                 let sum: f64 = (0..i).map(|k| lower[i][k] * x[k]).sum();
                 x[i] = (x[i] - sum) * inverse[i];
@@ -368,7 +393,9 @@ impl Master {
             self.lag = None;
         }
         let moves = |lag: Lag| of_loads > KNOWN && self.moves(lag, w);
-        let late = || Some(Lag::One).filter(|lag| moves(*lag));
+        let [by_force, theta_by_force] = self.mobility(Lag::None, w);
+        let at_once = of_lag < -KNOWN && by_force > 0.0 && theta_by_force > SET_AT_ONCE * by_force;
+        let late = || Some(Lag::One).filter(|lag| !at_once && moves(*lag));
         let found = match self.lag {
             Some(Lag::None) if of_lag > KNOWN || !moves(Lag::None) => late(),
             None | Some(Lag::One) if of_lag < -CHANGED && moves(Lag::None) => Some(Lag::None),
@@ -390,6 +417,12 @@ impl Master {
         };
         let share = self.mobility(lag, w)[0] / w;
         (late.max(MOBILITY[0])..MOBILITY[1]).contains(&share)
+    }
+
+    /// Mean rate over the last step less the one at its end, m/s: what the master's rule holds back.
+    pub fn rate_held_back(&self) -> f64 {
+        let [a, d] = &self.steps.change;
+        (d[0] - a[0]) * self.steps.length[0]
     }
 
     fn mobility(&self, lag: Lag, w: f64) -> [f64; 2] {

@@ -155,6 +155,8 @@ const UNKNOWN: f64 = 1.0;
 struct Acting {
     time: f64,
     displaced: [f64; 2],
+    /// Mean rate over the step before it less that where it begins, m/s.
+    held_back: f64,
     outlook: Outlook,
     length: f64,
 }
@@ -212,12 +214,14 @@ impl Element {
                 None => Acting {
                     time: 0.0,
                     displaced: [0.0; 2],
+                    held_back: history.master.rate_held_back(),
                     outlook: found,
                     length,
                 },
                 Some([a, d]) => Acting {
                     time: request.length,
                     displaced: [d * request.length.powi(2), a * request.length],
+                    held_back: (d - a) * request.length,
                     outlook: found,
                     length,
                 },
@@ -326,7 +330,7 @@ impl Element {
         let Outlook { free, mobility } = acting.outlook;
         let mut at = |ahead: f64, dy: f64, du: f64| -> Option<(Loads, f64)> {
             let time = acting.time + ahead;
-            if time == 0.0 {
+            if time == 0.0 && du == 0.0 {
                 return Some(now);
             }
             // The approach is that of the drift with the present velocities, and beside it:
@@ -337,7 +341,11 @@ impl Element {
         };
         let theta = acting.outlook.theta();
         if theta > RULES[1] {
-            return at(0.0, 0.0, 0.0);
+            // The kick falls on the point where the step begins: the damper takes the rate in its middle, that of the ways to both sides.
+            let before = acting.held_back;
+            let force = at(0.0, 0.0, before)?.1;
+            let after = acting.outlook.under(force)[1] * h;
+            return at(0.0, 0.0, 0.5 * (before + after));
         }
         if theta < RULES[0] {
             return at(h, free[1] * h.powi(2), 0.0);

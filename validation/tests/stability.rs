@@ -113,14 +113,20 @@ mod masters {
         }
     }
 
-    /// At 160 packed steps a mesh cycle, for each way in which masters let loads act and move the bodies.
+    /// At 20 and 160 packed steps a mesh cycle, for each way in which masters let loads act and move the bodies.
     #[test]
     fn without_being_told_the_master_loads_in_trains_are_stable_and_no_worse_than_held_ones() {
         let p = Packed::new(TABLES[2]).unwrap();
-        for bodies in systems(&p).into_iter().filter(|bodies| bodies.train) {
-            let case = Case::new(&p, bodies, 160.0).unwrap();
+        let trains = || systems(&p).into_iter().filter(|bodies| bodies.train);
+        let cases = [20.0, 160.0]
+            .into_iter()
+            .flat_map(|cycle| trains().map(move |bodies| (bodies, cycle)));
+        for (bodies, cycle) in cases {
+            let case = Case::new(&p, bodies, cycle).unwrap();
             for master in [Master::Sequential, Master::Parallel] {
-                for (theta, steps) in [(0.0, ALIKE), (0.5, ALIKE), (1.0, ALIKE), (0.5, BY_TURNS)] {
+                let ways = [0.0, 0.5, 1.0].map(|theta| (theta, ALIKE));
+                let by_turns = [0.5, 1.0].map(|theta| (theta, BY_TURNS));
+                for (theta, steps) in ways.into_iter().chain(by_turns) {
                     let errors = |told: Told| {
                         let way = Way {
                             told,
@@ -131,7 +137,10 @@ mod masters {
                         };
                         case.errors(way).unwrap()
                     };
-                    let name = format!("{}, {master:?}, {theta}, {steps:?}", case.bodies.name);
+                    let name = format!(
+                        "{}, {cycle}, {master:?}, {theta}, {steps:?}",
+                        case.bodies.name
+                    );
                     let found = errors(Told::Automatic);
                     let found = found.unwrap_or_else(|| panic!("{name}: unstable"));
                     if let Some(held) = errors(Told::Held) {

@@ -59,7 +59,7 @@ impl Bodies {
         });
         let start = Vector2::new(at[0], at[2]);
         let mut law_at = |x: &Vector2<f64>| law([x[0], at[1], x[1], at[3]]);
-        // What x' is too far by, and the scale in which both parts count alike.
+        // What x' is too far by.
         let excess = |x: &Vector2<f64>, w: &Potential| x + c * force(w) - start;
         let mut x = start;
         let mut w = law_at(&x)?;
@@ -70,19 +70,15 @@ impl Bodies {
                 return Ok(potential(&w, [&c, &slope, &curvature]));
             }
             let lever = lever(&w);
-            let size = |x: &Vector2<f64>, w: &Potential| {
-                let off = excess(x, w);
-                off[0].abs() + lever * off[1].abs()
-            };
+            let size = |off: &Vector2<f64>| off[0].abs() + lever * off[1].abs();
             let newton = Matrix2::identity() + c * block(&w, X, X);
             let off = excess(&x, &w);
             let Some(mut step) = newton.lu().solve(&-off) else {
                 break;
             };
-            let before = size(&x, &w);
             let mut next = law_at(&(x + step))?;
             for _ in 0..MOST_HALVINGS {
-                if size(&(x + step), &next) <= before {
+                if size(&excess(&(x + step), &next)) <= size(&off) {
                     break;
                 }
                 step *= 0.5;
@@ -90,8 +86,7 @@ impl Bodies {
             }
             x += step;
             w = next;
-            step_is_last =
-                step[0].abs() + lever * step[1].abs() <= LAST_STEP * (start[0].abs() + x[0].abs());
+            step_is_last = size(&step) <= LAST_STEP * (start[0].abs() + x[0].abs());
         }
         Err(ElementError(
             "bodyEffect = true: no balance is found between the teeth and the gear bodies; the load lies far beyond that of the tables, \

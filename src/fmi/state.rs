@@ -14,7 +14,7 @@ use crate::element::{History, Loads, PhaseOffset};
 use crate::sealed;
 
 /// Changes with the layout of serialised states.
-const MAGIC: &[u8; 32] = b"gearmesh state of instance v009\n";
+const MAGIC: &[u8; 32] = b"gearmesh state of instance v010\n";
 
 /// Loads that a step gave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -32,6 +32,17 @@ pub struct BodyOrder {
     pub tilt_rad_per_nm: [f64; 2],
 }
 
+impl BodyOrder {
+    /// Cosine and sine of approach by force, of what couples it with the moment, and of misalignment by moment.
+    pub fn parts(&self) -> [[f64; 2]; 3] {
+        [
+            self.approach_m_per_n,
+            self.tilt_rad_per_n,
+            self.tilt_rad_per_nm,
+        ]
+    }
+}
+
 /// Orders of gear 1 and gear 2 on both flanks; none of a gear whose body is a solid of revolution.
 pub type BodyOrders = BothFlanks<Vec<BodyOrder>>;
 
@@ -54,11 +65,7 @@ impl BodyOrders {
                     return refused(format!("{} orders", orders.len()), reason);
                 }
                 for part in orders {
-                    let numbers = [
-                        part.approach_m_per_n,
-                        part.tilt_rad_per_n,
-                        part.tilt_rad_per_nm,
-                    ];
+                    let numbers = part.parts();
                     if part.order == 0 || !numbers.as_flattened().iter().all(|x| x.is_finite()) {
                         let reason = "orders count from 1 and have finite numbers".into();
                         return refused(format!("order {} with {numbers:?}", part.order), reason);
@@ -101,12 +108,7 @@ impl TurningBodies {
                 let per_cycle = TAU * order / teeth;
                 let of_angle =
                     |[a, b]: [f64; 2]| [a * cos + b * sin, per_cycle * (b * cos - a * sin)];
-                let [by_force, tilt, by_moment] = [
-                    part.approach_m_per_n,
-                    part.tilt_rad_per_n,
-                    part.tilt_rad_per_nm,
-                ]
-                .map(of_angle);
+                let [by_force, tilt, by_moment] = part.parts().map(of_angle);
                 for (derivative, sum) in path.iter_mut().take(2).enumerate() {
                     *sum += Matrix2::new(
                         by_force[derivative],

@@ -115,12 +115,7 @@ fn orders(samples: &[Parts], lever: f64, left_out: f64) -> Vec<BodyOrder> {
         .collect();
     // Squares of the approaches by a force at the lever, as its parts make them.
     let size = |part: &BodyOrder| {
-        let squares = [
-            part.approach_m_per_n,
-            part.tilt_rad_per_n,
-            part.tilt_rad_per_nm,
-        ]
-        .map(|[a, b]| a * a + b * b);
+        let squares = part.parts().map(|[a, b]| a * a + b * b);
         squares[0] + (2.0 * lever).powi(2) * squares[1] + lever.powi(4) * squares[2]
     };
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));

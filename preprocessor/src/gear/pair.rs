@@ -178,7 +178,8 @@ pub struct Pair {
     pub friction: FrictionLaw,
     /// Shafts of gear 1 and gear 2 on their bearings. Static analyses alone know them: tables end at the gears.
     pub shafts: [Option<Shaft>; 2],
-    /// Bodies of gear 1 and gear 2 that are no solids of revolution. Tables and contact at run time have their mean over all angles.
+    /// Bodies of gear 1 and gear 2 that are no solids of revolution. Tables and contact at run time have their mean over all angles, and what
+    /// they change with the angle beside it.
     pub bodies: [Option<UnevenBody>; 2],
     /// What is legal but worth knowing, one sentence each.
     pub warnings: Vec<String>,

@@ -1,10 +1,15 @@
 //! The element on bodies that are no solids of revolution against static contact with the body at its angle, over a turn.
 
+#[rustfmt::skip] // formatted where it stands
+#[path = "../../../tests/common/element.rs"]
+mod element;
+
 use crate::data::{Data, rms};
 use crate::in_repository;
 use crate::setup::cache;
 use crate::timing::{Candidate, medians};
 use crate::{Context, Result};
+use element::spun;
 use gearmesh::element::{
     Element, Formulation, Inputs, LoadedFlank, Parameters, PhaseOffset, StiffnessModel,
 };
@@ -15,7 +20,6 @@ use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::static_contact::ContactResult;
 use gearmesh_preprocessor::table::{Made, Recipe};
-use nalgebra::{Rotation3, Vector3};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -184,13 +188,6 @@ impl Turning {
         }
         Ok(errors)
     }
-}
-
-/// Gear `i` turned by `angle` about its own axis.
-fn spun(inputs: &Inputs, i: usize, angle: f64) -> Inputs {
-    let mut out = *inputs;
-    out.gears[i].r *= Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
-    out
 }
 
 /// Errors over a turn of the body, and what the effect costs.

@@ -37,7 +37,7 @@ pub(crate) struct Constants {
     /// Ends of the common face at the nominal pose, in gear 1's frame, m.
     pub common_face: [f64; 2],
     /// Where the teeth come out of mesh.
-    pub reach: Reach,
+    pub radial_engagement: RadialEngagement,
     /// Face widths, m.
     pub face_width: [f64; 2],
     /// theta_p1 = 2 pi / z1, rad.
@@ -118,7 +118,7 @@ impl Constants {
             z_ref,
             face_offset: g[1].face_offset,
             common_face: [low, low + width],
-            reach: Reach::new(pair),
+            radial_engagement: RadialEngagement::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,
             per_tooth_angle: g[0].base_radius() / z1,
@@ -139,7 +139,7 @@ impl Constants {
         if c > self.base_sum {
             return Ok(true);
         }
-        let apart = self.e < 0.0 && self.reach.none > self.base_sum * (1.0 + 1e-6);
+        let apart = self.e < 0.0 && self.radial_engagement.none > self.base_sum * (1.0 + 1e-6);
         // The direction O1 -> O2 must be more than rounding.
         if apart && c > 1e-6 * self.center_distance {
             return Ok(false);
@@ -172,7 +172,7 @@ pub(crate) fn behind(fraction: f64) -> f64 {
 
 /// Centre distances between which the teeth come out of mesh, m.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reach {
+pub(crate) struct RadialEngagement {
     /// Where the factor is zero: farther out for external pairs, nearer for internal ones. Below the distance at
     /// which the base circles touch: it never gets there.
     pub none: f64,
@@ -180,7 +180,7 @@ pub(crate) struct Reach {
     pub per_span: f64,
 }
 
-impl Reach {
+impl RadialEngagement {
     /// From the lengths of the path of contact at the centre distances of `pair`.
     pub(crate) fn new(pair: &PairGeometry) -> Self {
         let nominal = pair.center_distance;

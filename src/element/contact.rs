@@ -136,7 +136,7 @@ impl<T: Scalar> Pose<T> {
         let k = &el.constants;
         let formulation = el.parameters.formulation;
         let map = Map::new(k, formulation, &inputs.gears)?;
-        if formulation == Formulation::Conjugate || !map.in_reach {
+        if formulation == Formulation::Conjugate || !map.has_line_of_action {
             return Ok(Pose {
                 coordinates: map.coordinates(k, &inputs.gears),
                 lever: T::from(0.0),
@@ -219,7 +219,7 @@ impl<T: Scalar> Solution<T> {
         workspace: &mut Workspace,
     ) -> Result<Self, ElementError> {
         let pose = Pose::<T>::new(el, inputs)?;
-        if !pose.map.in_reach {
+        if !pose.map.has_line_of_action {
             return Ok(Self::out_of_reach(el, inputs, &pose));
         }
         let mut mating = Mating::new(el, phase, inputs, &pose);

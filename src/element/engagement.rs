@@ -32,7 +32,7 @@ impl<T: Scalar> Engagement<T> {
         let (axial, axial_slope) = step((high - low) * per_half);
         Engagement {
             factor: radial * axial,
-            by_center_distance: radial_slope * axial * k.reach.per_span,
+            by_center_distance: radial_slope * axial * k.radial_engagement.per_span,
             by_axial_position: radial * axial_slope * ((high_slope - low_slope) * per_half),
             leaving: radial.re() < 1.0 || axial.re() < 1.0 || is_shifted(k, [low.re(), high.re()]),
         }
@@ -53,7 +53,7 @@ pub(crate) fn is_shifted(k: &Constants, ends: [f64; 2]) -> bool {
 /// Share of the engagement that the centre distance `c` leaves, and its slope by c `per_span`.
 #[inline(always)]
 pub(crate) fn radial_share<T: Scalar>(k: &Constants, c: T) -> (T, T) {
-    step((c - k.reach.none) * k.reach.per_span)
+    step((c - k.radial_engagement.none) * k.radial_engagement.per_span)
 }
 
 /// Ends of the common face in gear 1's frame, m, each with its slope by the axial position of c2 in gear 2's frame, with gear 2's

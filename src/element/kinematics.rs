@@ -96,7 +96,7 @@ pub(crate) struct Map<T> {
     /// C, m.
     pub c: T,
     /// Whether there is a line of action. Else no tooth is within reach of another, and only `c` and the frame have a meaning.
-    pub in_reach: bool,
+    pub has_line_of_action: bool,
     /// lambda, m.
     lambda: T,
     b: [T; 3],
@@ -184,7 +184,7 @@ impl<T: Scalar> Map<T> {
             arms: [arm_1, arm_2],
             station,
             c,
-            in_reach: k.has_line_of_action(c.re())?,
+            has_line_of_action: k.has_line_of_action(c.re())?,
             lambda,
             b: [bx, by, bz],
             per_c,

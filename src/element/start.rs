@@ -114,20 +114,20 @@ impl Element {
         let pose = Pose::<f64>::new(self, inputs)?;
         let (c, lambda) = (pose.coordinates.center_distance, pose.coordinates.axial);
         let mut reasons = Vec::new();
-        if !pose.map.in_reach || radial_share(k, c).0 <= 0.0 {
+        if !pose.map.has_line_of_action || radial_share(k, c).0 <= 0.0 {
             let side = if k.e > 0.0 { "below" } else { "above" };
             let unit = if c > WRONG_UNIT * k.center_distance {
                 ": positions are in metres"
             } else {
                 ""
             };
-            let (found, limit) = (k.center_distance_in_words(c), mm(k.reach.none));
+            let (found, limit) = (k.center_distance_in_words(c), mm(k.radial_engagement.none));
             reasons.push(format!(
                 "centre distance {found}, in mesh {side} {limit} mm{unit}"
             ));
         }
         let [low, high] = face_overlap(k, k.z_ref - lambda).map(|(end, _)| end);
-        if pose.map.in_reach && high <= low {
+        if pose.map.has_line_of_action && high <= low {
             reasons.push(format!(
                 "gear 2's z = 0 face at z = {} mm of gear 1 (nominal {} mm), so that the faces are {} mm apart",
                 mm(k.z_ref - lambda),
@@ -204,7 +204,7 @@ impl Element {
         inputs: &Inputs,
     ) -> Result<PhaseOffset<T>, ElementError> {
         let pose = Pose::<T>::new(self, inputs)?;
-        if !pose.map.in_reach {
+        if !pose.map.has_line_of_action {
             return Err(ElementError(
                 "at the initial pose the gears are out of reach of one another; start from a pose in mesh".into(),
             ));

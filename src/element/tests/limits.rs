@@ -130,7 +130,7 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
             least = least.min(share);
             // Never steeper than over a fiftieth of the way.
             assert!(
-                (0.0..=1.0).contains(&share) && by_c * k.reach.per_span * room < 94.0,
+                (0.0..=1.0).contains(&share) && by_c * k.radial_engagement.per_span * room < 94.0,
                 "{z1}/{z2} {c}: {by_c}"
             );
             let mut x = inputs;

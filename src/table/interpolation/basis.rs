@@ -70,7 +70,7 @@ pub struct Basis<const N: usize> {
     buckets: Vec<u32>,
     bucket_scale: f64,
     /// How far beyond the lower and the upper end of a bounded axis the continuation has levelled out, in units of the coordinate.
-    pub(crate) reach: [f64; 2],
+    pub(crate) levelling_length: [f64; 2],
 }
 
 impl<const N: usize> Basis<N> {
@@ -118,7 +118,7 @@ impl<const N: usize> Basis<N> {
             cells,
             buckets,
             bucket_scale: count as f64 / range,
-            reach: [range; 2],
+            levelling_length: [range; 2],
         }
     }
 
@@ -215,7 +215,7 @@ impl<const N: usize> Basis<N> {
             (self.inside_of(lanes, self.wrapped(x), order), false)
         } else {
             let outside = is_beyond([self.low, self.high], x);
-            (self.beyond(x, self.reach), outside)
+            (self.beyond(x, self.levelling_length), outside)
         }
     }
 
@@ -227,10 +227,10 @@ impl<const N: usize> Basis<N> {
         x - ((x - self.low) / period).floor() * period
     }
 
-    /// Weights at the ends and outside, levelled out at `reach` beyond the lower and the upper end.
+    /// Weights at the ends and outside, levelled out at `levelling_length` beyond the lower and the upper end.
     #[cold]
     #[inline(never)]
-    fn beyond(&self, x: f64, reach: [f64; 2]) -> Weights<N> {
+    fn beyond(&self, x: f64, levelling_length: [f64; 2]) -> Weights<N> {
         let edge = x.clamp(self.low, self.high);
         let d = x - edge;
         let mut w = self.inside(edge);
@@ -245,7 +245,7 @@ impl<const N: usize> Basis<N> {
             }
             return w;
         }
-        let [g, g1, g2] = levelled(d, reach[usize::from(d > 0.0)]);
+        let [g, g1, g2] = levelled(d, levelling_length[usize::from(d > 0.0)]);
         for k in 0..N {
             w.value[k] += g * w.slope[k];
             w.curvature[k] = g2 * w.slope[k];
@@ -266,25 +266,25 @@ impl<const N: usize> Basis<N> {
         cell.map_or(0.0, |cell| (N - 1) as f64 * cell.scale)
     }
 
-    /// Weights continued `reach` far outside (bounded axes).
+    /// Weights continued `levelling_length` far outside (bounded axes).
     #[cold]
     #[inline(never)]
-    pub fn reaching(&self, x: f64, reach: [f64; 2]) -> Weights<N> {
+    pub fn levelling_within(&self, x: f64, levelling_length: [f64; 2]) -> Weights<N> {
         match self.ends {
-            Ends::Bounded if self.present() => self.beyond(x, reach),
+            Ends::Bounded if self.present() => self.beyond(x, levelling_length),
             _ => self.weights(Lanes::COMMON, x, 2).0,
         }
     }
 }
 
 /// The way `d` beyond an end as the continuation takes it, and its two derivatives: its slope falls evenly from one to zero at
-/// `reach`, where it stays half of that. Without a limit it is `d` itself.
-fn levelled(d: f64, reach: f64) -> [f64; 3] {
-    let (part, sign) = (d.abs() / reach, d.signum());
+/// `levelling_length`, where it stays half of that. Without a limit it is `d` itself.
+fn levelled(d: f64, levelling_length: f64) -> [f64; 3] {
+    let (part, sign) = (d.abs() / levelling_length, d.signum());
     if part >= 1.0 {
-        return [0.5 * reach * sign, 0.0, 0.0];
+        return [0.5 * levelling_length * sign, 0.0, 0.0];
     }
-    [d * (1.0 - 0.5 * part), 1.0 - part, -sign / reach]
+    [d * (1.0 - 0.5 * part), 1.0 - part, -sign / levelling_length]
 }
 
 /// The N functions that live on the cell from `knots[m]` to `knots[m + 1]` as polynomials of the

@@ -272,7 +272,7 @@ impl<const N: usize> Frame<N> {
         self.at::<false, ANY>(Lanes::COMMON, q).u
     }
 
-    /// `field` outside the range, where it goes on as far as `reach` says.
+    /// `field` outside the range, where it goes on as far as `levelling_length` says.
     #[cold]
     #[inline(never)]
     fn beyond(
@@ -280,10 +280,12 @@ impl<const N: usize> Frame<N> {
         field: &Coefficients<N>,
         q: &Query,
         p: Weights<N>,
-        reach: [[f64; 2]; 2],
+        levelling_length: [[f64; 2]; 2],
     ) -> Jet {
-        let c = self.c.reaching(q.center_distance_offset, reach[0]);
-        let m = self.m.reaching(q.misalignment, reach[1]);
+        let c = self
+            .c
+            .levelling_within(q.center_distance_offset, levelling_length[0]);
+        let m = self.m.levelling_within(q.misalignment, levelling_length[1]);
         field.field::<true, ANY>(Lanes::COMMON, &Point { c, m, p })
     }
 }

@@ -56,7 +56,7 @@ impl LoadSpline {
         let others = Others::new(nodes)?;
         let (mut force, along_force) = axis(nodes[2], Ends::Bounded, "loa_force_n")?;
         if nodes[2][0] == 0.0 {
-            force.reach = [f64::INFINITY; 2];
+            force.levelling_length = [f64::INFINITY; 2];
         }
         let fitted = |block| Coefficients::new(&others.fit(block, Some(&along_force)));
         Ok(LoadSpline {

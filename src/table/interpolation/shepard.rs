@@ -27,7 +27,7 @@ const Y: [usize; 3] = [0, 1, 3];
 
 /// Distance, in node spacings, at which a node's weight vanishes. The middle of a four-dimensional cell is 1 away
 /// from its corners; half a cell beyond the edge, it is 1 again.
-const REACH: f64 = 1.75;
+const RADIUS: f64 = 1.75;
 
 /// Most nodes along one axis that are looked at. On an even axis four can reach a point.
 const MOST: usize = 24;
@@ -275,7 +275,7 @@ struct Line {
     scale: Vec<f64>,
     /// Nodes of the grid (a period of `nodes`).
     count: usize,
-    reach: f64,
+    radius: f64,
 }
 
 impl Line {
@@ -294,7 +294,7 @@ impl Line {
         };
         let spacings = (0..all.len()).map(spacing);
         Line {
-            reach: REACH * spacings.clone().fold(0.0, f64::max),
+            radius: RADIUS * spacings.clone().fold(0.0, f64::max),
             scale: spacings.map(f64::recip).collect(),
             nodes: all,
             count,
@@ -307,12 +307,12 @@ impl Line {
             return &out[..1];
         }
         let mut n = 0;
-        for i in self.nodes.partition_point(|&node| node < x - self.reach)..self.nodes.len() {
+        for i in self.nodes.partition_point(|&node| node < x - self.radius)..self.nodes.len() {
             let way = (x - self.nodes[i]) * self.scale[i];
-            if self.nodes[i] > x + self.reach || n == MOST {
+            if self.nodes[i] > x + self.radius || n == MOST {
                 break;
             }
-            if way.abs() < REACH {
+            if way.abs() < RADIUS {
                 out[n] = Near {
                     index: i % self.count,
                     way,
@@ -410,7 +410,7 @@ impl Scatter {
                     for &d in axes[3] {
                         let node = [a, b, c, d];
                         let square: f64 = node.iter().map(|n| n.way * n.way).sum();
-                        if square < REACH * REACH && node != nearest {
+                        if square < RADIUS * RADIUS && node != nearest {
                             let (square, q) = self.node(node);
                             let weight = weight(&square);
                             weights += weight;
@@ -446,7 +446,7 @@ impl Scatter {
 /// (1/d - 1/R)³ of the square of d > 0.
 fn weight(square: &Dual) -> Dual {
     let per = 1.0 / square.value.sqrt();
-    let x = per - 1.0 / REACH;
+    let x = per - 1.0 / RADIUS;
     let (d, dd) = (-0.5 * per.powi(3), 0.75 * per.powi(5));
     let bend = 6.0 * x * d * d + 3.0 * x * x * dd;
     square.chain(x * x * x, 3.0 * x * x * d, bend)
@@ -455,7 +455,7 @@ fn weight(square: &Dual) -> Dual {
 /// 1 / (1/d - 1/R)³ of the square of d < R.
 fn inverse_weight(square: &Dual) -> Dual {
     let d = square.value.sqrt();
-    let r = 1.0 / (1.0 - d / REACH);
+    let r = 1.0 / (1.0 - d / RADIUS);
     let r4 = r * r * r * r;
     // The second derivative by the square is infinite at the node itself, and its share of any nought.
     let dd = match d > 0.0 {

@@ -61,7 +61,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         let mut bases = others.bases.clone();
         // Those of centre distance and misalignment.
         for (axis, basis) in bases[..2].iter_mut().enumerate() {
-            basis.reach = [SHAPE_REACH * basis.range(); 2];
+            basis.levelling_length = [SHAPE_LEVELLING * basis.range(); 2];
             shorten_reach(basis, axis, &force);
         }
         let force = keep_increasing_beyond(&bases, &force);
@@ -225,10 +225,10 @@ impl<const N: usize> Tensor<3, N> {
 
 /// How far beyond an end of C or M the shape and the span have levelled out, in ranges of the axis. Measured against contact solves
 /// at up to half the largest misalignment beyond it, where the resultant moves on as far as the face lasts.
-const SHAPE_REACH: f64 = 0.5;
-const SPAN_REACH: f64 = 1.25;
+const SHAPE_LEVELLING: f64 = 0.5;
+const SPAN_LEVELLING: f64 = 1.25;
 
-/// How often the reach of the shape is halved where the fit would have to give up more than this share of the largest force for it: at an
+/// How often the levelling length of the shape is halved where the fit would have to give up more than this share of the largest force for it: at an
 /// end far beyond what the teeth give way, where they barely touch.
 const HALVINGS: i32 = 6;
 const MOST_GIVEN_UP: f64 = 4e-3;
@@ -246,7 +246,7 @@ fn ends<const N: usize>(basis: &Basis<N>, n: usize) -> Vec<End> {
         last,
         before,
         // A little more than it adds, so that rounding takes nothing below zero.
-        gain: (1.0 + 1e-9) * 0.5 * basis.reach[end] * basis.steepness(end),
+        gain: (1.0 + 1e-9) * 0.5 * basis.levelling_length[end] * basis.steepness(end),
     };
     match basis.present() {
         true => vec![end(0, 0, 1), end(1, n - 1, n - 2)],
@@ -254,7 +254,7 @@ fn ends<const N: usize>(basis: &Basis<N>, n: usize) -> Vec<End> {
     }
 }
 
-/// Halves the reach of `basis`, that of `axis`, at an end where [`keep_increasing_beyond`] would change the coefficients `force` over u by
+/// Halves the levelling length of `basis`, that of `axis`, at an end where [`keep_increasing_beyond`] would change the coefficients `force` over u by
 /// more than [`MOST_GIVEN_UP`].
 fn shorten_reach<const N: usize>(basis: &mut Basis<N>, axis: usize, force: &Block) {
     let largest = force.values.iter().copied().fold(0.0, f64::max);
@@ -283,7 +283,7 @@ fn shorten_reach<const N: usize>(basis: &mut Basis<N>, axis: usize, force: &Bloc
             if lines.map(given_up).fold(0.0, f64::max) <= MOST_GIVEN_UP * largest {
                 break;
             }
-            basis.reach[k] *= 0.5;
+            basis.levelling_length[k] *= 0.5;
         }
     }
 }
@@ -337,7 +337,7 @@ fn keep_increasing_beyond<const N: usize>(bases: &[Basis<N>; 3], force: &Block) 
     })
 }
 
-/// How far `span` goes on beyond the ends of C and M: [`SPAN_REACH`], and where it falls outwards as far as half of it is left.
+/// How far `span` goes on beyond the ends of C and M: [`SPAN_LEVELLING`], and where it falls outwards as far as half of it is left.
 fn span_reach<const N: usize>(
     bases: [&Basis<N>; 2],
     span: &Block,
@@ -347,29 +347,29 @@ fn span_reach<const N: usize>(
         return Err(TableError::TooCoarse { least_m });
     }
     let mut rows = span.clone();
-    let mut reaches = [[f64::INFINITY; 2]; 2];
+    let mut lengths = [[f64::INFINITY; 2]; 2];
     for axis in [1, 0].into_iter().filter(|&axis| bases[axis].present()) {
         let (n, stride) = (rows.lengths[axis], rows.stride(axis));
         let steepness = [0, 1].map(|end| bases[axis].steepness(end));
         let places = [[0, 1], [n - 1, n - 2]];
-        let reach = [0, 1].map(|end| {
+        let levelling_length = [0, 1].map(|end| {
             let longest = rows.lines(axis).map(|line| {
                 let [last, before] = places[end].map(|k| rows.values[line + k * stride]);
                 last / (steepness[end] * (before - last).max(0.0))
             });
-            longest.fold(SPAN_REACH * bases[axis].range(), f64::min)
+            longest.fold(SPAN_LEVELLING * bases[axis].range(), f64::min)
         });
         // What the other axis starts from where this one has been left.
         rows = rows.mapped(axis, n + 2, |mut line| {
             let [low, high] = [0, 1].map(|end| {
                 let [last, before] = places[end].map(|k| line[k]);
-                last + 0.5 * reach[end] * steepness[end] * (last - before)
+                last + 0.5 * levelling_length[end] * steepness[end] * (last - before)
             });
             line.insert(0, low);
             line.push(high);
             line
         });
-        reaches[axis] = reach;
+        lengths[axis] = levelling_length;
     }
-    Ok(reaches)
+    Ok(lengths)
 }

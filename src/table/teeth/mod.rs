@@ -321,9 +321,9 @@ impl Coupling {
         let ends = [misalignments[0], misalignments[misalignments.len() - 1]];
         for (end, node) in ends.into_iter().enumerate() {
             for [value, slope, _] in coupling.at(node) {
-                // Its slope acts over half of the reach; NaN: nothing at this distance.
-                let reach = &mut coupling.basis.reach[end];
-                *reach = reach.min(2.0 * BEYOND * (value / slope).abs());
+                // Its slope acts over half of the levelling length; NaN: nothing at this distance.
+                let levelling_length = &mut coupling.basis.levelling_length[end];
+                *levelling_length = levelling_length.min(2.0 * BEYOND * (value / slope).abs());
             }
         }
         Ok(coupling)

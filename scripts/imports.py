@@ -1,9 +1,10 @@
-"""Circles of imports: files, or folders, of a crate that need each other; and verbs of the command that need another verb.
-None may be; `make lint` runs this.
+"""Circles of imports: files, or folders, of a crate that need each other; verbs of the command that need another verb; examples that
+import another one. None may be; `make lint` runs this.
 
     python scripts/imports.py
 """
 
+import ast
 import re
 import sys
 from graphlib import CycleError, TopologicalSorter
@@ -13,6 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CRATES = ["src", "preprocessor/src", "command/src", "validation/src"]
 IMPORT = re.compile(r"(?P<public>\bpub(\(\w+\))? )?\buse (?P<tree>[^;]+);")
 VERB = re.compile(r"^ +\w+\((\w+)::\w+\),$", re.M)
+EXAMPLE = re.compile(r"examples\.(drivelines\.)?\w+")
 PATH = re.compile(r"(?<![\w:])(?:[a-z_]\w*::)+\w+")
 
 
@@ -86,8 +88,21 @@ def circle(needs):
     return None
 
 
+def borrowed():
+    """Each import of one example by another."""
+    for file in sorted((ROOT / "examples").rglob("*.py")):
+        at = ".".join(file.relative_to(ROOT).with_suffix("").parts)
+        for node in ast.walk(ast.parse(file.read_text())):
+            level, module = getattr(node, "level", 0), getattr(node, "module", None)
+            stem = at.rsplit(".", level)[0] if level else None
+            for alias in node.names if isinstance(node, (ast.Import, ast.ImportFrom)) else []:
+                other = EXAMPLE.match(".".join(filter(None, (stem, module, alias.name))))
+                if other and other[0] not in (EXAMPLE.match(at)[0], "examples.shared"):
+                    yield f"{file.relative_to(ROOT)} imports {other[0]}; what examples share is in examples/shared"
+
+
 def main():
-    found = []
+    found = list(borrowed())
     for crate in CRATES:
         code = modules(ROOT / crate)
         needs = imports(code)

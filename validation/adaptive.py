@@ -20,7 +20,7 @@ import numpy as np
 from gearmesh import GearPair, Turning
 from scipy.integrate import solve_ivp
 
-from examples.tables import show
+from examples.shared.tables import show
 
 INERTIA = 8e-4  # kg m^2, gear 2
 SPEED = 100.0  # rad/s, gear 1

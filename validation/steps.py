@@ -18,7 +18,7 @@ from gearmesh.dynamics import cosimulate as master
 
 from examples.drivelines.cosimulation import ssp, subsystems as sub
 from examples.drivelines.cosimulation.masters import DRIVE, SPEED, Gears, distance
-from examples.tables import show
+from examples.shared.tables import show
 
 
 RISE, DURATION = 1.024e-3, 4.096e-3  # s, powers of two times nanoseconds

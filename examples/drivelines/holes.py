@@ -1,22 +1,21 @@
 """`python -m examples.drivelines.holes`: a wheel with six holes in the elastic housing, sidebands in the velocity of its walls.
 
-The assembly of `housing` at a steady speed, gear 2 with a thin web of six holes; with `bodyEffect` off the same wheel has the stiffness of its mean.
+The gearbox of `housing` at a steady speed, gear 2 with a thin web of six holes; with `bodyEffect` off the same wheel has the stiffness of its mean.
 Writes holes.png and holes.csv to target/drivelines.
 """
 
 from __future__ import annotations
 
-import csv
 import json
 
 import numpy as np
 from gearmesh import decibels
 from gearmesh.plots import BLUE, RED, figure as new_figure
 
-from .files import OUT, PAIRS, built, save
-from .housing.cases import RPM, SPUR_DAMPING, STEP, rise, unit
-from .housing.model import SPUR, Driveline
-from .housing.walls import VELOCITY
+from examples.shared.files import OUT, PAIRS, built, save
+from examples.shared.gearbox import RPM, SPUR, SPUR_DAMPING, STEP, Driveline, rise, unit
+from examples.shared.tables import show
+from examples.shared.walls import VELOCITY
 
 HOLES = 6
 WHEEL = {
@@ -65,13 +64,8 @@ def main() -> None:
     save(figure, "holes")
     z = SPUR.teeth[1]
     orders = [HOLES, 2 * HOLES, z - 2 * HOLES, z - HOLES, z, z + HOLES, z + 2 * HOLES, 2 * z - HOLES, 2 * z, 2 * z + HOLES]
-    with (OUT / "holes.csv").open("w", newline="") as stream:
-        rows = csv.writer(stream)
-        rows.writerow(["order", "six holes, dB re 1 nm/s", "mean wheel, dB re 1 nm/s"])
-        for order in orders:
-            row = [order, *(f"{level[order]:.1f}" for level in found.values())]
-            rows.writerow(row)
-            print("order {}: {} dB with six holes, {} with the mean wheel".format(*row))
+    rows = [[order, *(f"{level[order]:.1f}" for level in found.values())] for order in orders]
+    show("holes", [["order", *(f"{name}, dB re 1 nm/s" for name in found)], *rows], OUT)
 
 
 if __name__ == "__main__":

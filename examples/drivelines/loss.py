@@ -14,10 +14,9 @@ from gearmesh import GearPair, Turning
 from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, GREEN, RED, figure as new_figure
 
-from examples.tables import show
-
-from . import driven
-from .files import OUT, PAIRS, save
+from examples.shared import driven
+from examples.shared.files import OUT, PAIRS, save
+from examples.shared.tables import show
 
 TORQUE = 200.0  # N m on the pinion
 INERTIA = 1.5e-3  # kg m^2, of the gear in a balance

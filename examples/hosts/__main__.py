@@ -11,7 +11,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from examples.tables import show
+from examples.shared.tables import show
 
 from .compare import HOSTS, Result, run
 from .scenario import revolution

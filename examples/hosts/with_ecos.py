@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from gearmesh.ssp import write as write_ssp
 
-from .ecos import EcosLib, EcosSimulation
+from examples.shared.ecos import EcosLib, EcosSimulation
 
 VERSION = version("ecospy")
 

@@ -13,14 +13,15 @@ from scipy.sparse import csc_matrix, hstack, identity
 from scipy.sparse.linalg import spsolve
 from examples.drivelines import holes, loss
 from examples.drivelines.cosimulation import balance as cosimulation, masters, ssp
-from examples.drivelines.housing import cases as housing, walls
-from examples.drivelines.housing.model import HELICAL, SPUR
+from examples.drivelines.housing import cases as housing
 from examples.drivelines.planetary import cases as planetary, phase
 from examples.drivelines.planetary.stage import IN_PHASE, PITCH, SEQUENTIAL
 from examples.drivelines.rattle import idle, mujoco_joint
 from examples.drivelines.response import jump, linear
 from examples.drivelines.sweep import __main__ as study
 from examples.drivelines.tutorial import __main__ as tutorial
+from examples.shared import gearbox, walls
+from examples.shared.gearbox import HELICAL, SPUR
 from scripts.docs.check import cell
 from validation import steps
 
@@ -73,7 +74,7 @@ def test_bearings_carry_what_statics_asks_for():
 
 def test_the_run_up_by_co_simulation_is_that_of_model_exchange():
     def run(coupling):
-        (history,) = housing.sweep("variable load", duration=0.1, coupling=coupling)
+        (history,) = gearbox.sweep("variable load", duration=0.1, coupling=coupling)
         return history.time_s, history["tangential_force_n"], history["transmission_error_um"]
 
     time, force, error = run(None)
@@ -89,7 +90,7 @@ def test_the_run_up_by_co_simulation_is_that_of_model_exchange():
 def test_vibration_of_the_mesh_comes_with_its_changing_stiffness_alone():
     swing = {}
     for variant in ("variable load", "constant stiffness"):
-        (history,) = housing.sweep(variant, rpm=2100.0, duration=0.1)
+        (history,) = gearbox.sweep(variant, rpm=2100.0, duration=0.1)
         force = history["tangential_force_n"][history.time_s >= 0.08]
         swing[variant] = np.ptp(force) / force.mean()
     assert swing["variable load"] > 0.2
@@ -97,7 +98,7 @@ def test_vibration_of_the_mesh_comes_with_its_changing_stiffness_alone():
 
 
 def test_the_run_down_keeps_to_the_upper_branch_where_teeth_part():
-    up, down = housing.sweep("variable load", rpm=4800.0, duration=0.3, down=True)
+    up, down = gearbox.sweep("variable load", rpm=4800.0, duration=0.3, down=True)
     peaks = [(h["tangential_force_n"].max(), h.speed_rpm[h["tangential_force_n"].argmax()]) for h in
              (branch.cut((branch.speed_rpm > 3200.0) & (branch.speed_rpm < 4700.0)) for branch in (up, down))]  # fmt: skip
     assert peaks[1][0] > peaks[0][0] and peaks[1][1] < 0.95 * peaks[0][1]
@@ -196,7 +197,7 @@ BALANCES = {
     "gearbox on mounts, rising torque": lambda damped: housing.balance_of_ramp(damped, duration=0.02),
 } | {
     f"gearbox on mounts, rising speed, {variant}": partial(housing.balance_of_sweep, variant, rpm=300.0, duration=0.04, step=5e-6)
-    for variant in housing.VARIANTS
+    for variant in gearbox.VARIANTS
 }
 
 

@@ -9,9 +9,9 @@ import time
 
 import pytest
 from conftest import ROOT
-from examples.drivelines.files import shipped
 from examples.drivelines.sweep import runs
 from examples.drivelines.sweep.__main__ import cases, connect, study
+from examples.shared.files import shipped
 from gearmesh.sweep import finished
 
 SCRIPT = f"""

@@ -10,7 +10,8 @@ from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 from matplotlib.ticker import NullLocator
 
-from ..files import save
+from examples.shared.files import save
+
 from . import ssp
 from .balance import balance, coupling_balance
 from .masters import Gears, cosimulate, distance, monolithic, packed_step, stands, start

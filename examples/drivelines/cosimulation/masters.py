@@ -10,7 +10,8 @@ import numpy as np
 from gearmesh import GearPair, integrate
 from gearmesh.dynamics import cosimulate as master
 
-from ..files import shipped
+from examples.shared.files import shipped
+
 from . import subsystems as sub
 
 TORQUE, SPEED = 100.0, 200.0  # N m and rad/s of gear 1

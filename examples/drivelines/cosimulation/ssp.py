@@ -11,7 +11,8 @@ import numpy as np
 from gearmesh.ssp import write as write_ssp
 from pythonfmu import FmuBuilder
 
-from ..files import OUT, ROOT
+from examples.shared.files import OUT, ROOT
+
 from .masters import DRIVE, IN, OUT as LOADS, RATES, CENTER_DISTANCE, exchange
 
 SEATS = [f"seat{i}.{name}" for name in ("position", "velocity") for i in (1, 2)]
@@ -58,7 +59,7 @@ def assemble(bodies: tuple[str, ...], start: dict, shafts: np.ndarray, choices: 
 
 def with_ecos(ssp: Path, duration: float, size: float) -> np.ndarray:
     """y of both gears and the angle of gear 2, a row after each step of `size` s, by Ecos."""
-    from examples.hosts.ecos import EcosSimulation
+    from examples.shared.ecos import EcosSimulation
 
     simulation = EcosSimulation(size, ssp_path=str(ssp))
     try:

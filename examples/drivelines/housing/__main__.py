@@ -10,10 +10,11 @@ from gearmesh import History, decibels
 from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, RED, figure as new_figure
 
-from ..files import save
-from .cases import balance, balance_of_ramp, balance_of_sweep, deviation_from_statics, mesh_resonance, sweep, torque_ramp
-from .model import HELICAL, SHAFTS, SPUR
-from .walls import AIR, POWER, VELOCITY, housing
+from examples.shared.files import save
+from examples.shared.gearbox import HELICAL, SHAFTS, SPUR, sweep
+from examples.shared.walls import AIR, POWER, VELOCITY, housing
+
+from .cases import balance, balance_of_ramp, balance_of_sweep, deviation_from_statics, mesh_resonance, torque_ramp
 
 BASE_HELIX = np.radians(20.61)  # of the helical pair
 SHOWN = ("variable load", "constant load")  # with constant stiffness nothing excites

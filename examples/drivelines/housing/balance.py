@@ -6,7 +6,7 @@ import numpy as np
 from gearmesh.energy import Ledger, mesh_loss
 from gearmesh.poses import place
 
-from .model import INERTIAS, Driveline, Output
+from examples.shared.gearbox import INERTIAS, Driveline, Output
 
 INSTANTS = 100  # at which the elastic energy of the mesh is found, by its work until the teeth are apart
 

@@ -1,42 +1,15 @@
-"""What is simulated: a torque ramp, a run-up and run-down in three levels of detail, and the balances of each."""
+"""What is simulated beside run-up and run-down: a torque ramp, the resonance of the mesh, and the balances of each."""
 
 from __future__ import annotations
 
-import math
 from contextlib import contextmanager
-from pathlib import Path
 
 import exudyn as exu
 import numpy as np
-from gearmesh import GearPair, History
 
-from ..files import local, shipped
+from examples.shared.gearbox import HELICAL, RPM, SHAFTS, SPUR, STEP, Driveline, Gears, sweep_line, unit
+
 from .balance import books
-from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears
-
-RPM = math.pi / 30.0
-STEP = 1e-5  # s; Runge-Kutta 4 stands 1.4e-5, the shafts' axial modes limit it
-# zeta = 0.02: test rigs with spur gears on roller bearings show 0.01 to 0.03.
-SPUR_DAMPING = 500.0
-VARIANTS = {
-    "variable load": {},
-    "constant load": {"loadDependent": False},
-    "constant stiffness": {"stiffnessModel": "constant"},
-}
-
-
-def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None, interface: str = "model-exchange") -> GearPair:
-    """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
-    fmu = fmu or (shipped if gears == HELICAL else local)(gears.name)
-    pair = GearPair(fmu, parameters, interface)
-    pair.initialize()
-    return pair
-
-
-def rise(time: float, duration: float = 0.02) -> float:
-    """From 0 to 1 with continuous slope."""
-    share = min(max(time / duration, 0.0), 1.0)
-    return share * share * (3.0 - 2.0 * share)
 
 
 @contextmanager
@@ -82,53 +55,6 @@ def deviation_from_statics(ramp: dict[str, np.ndarray]) -> float:
         far = np.array([force[0] * arm + moment[1], force[1] * arm - moment[0], 0.0]) / (floating - fixed)
         difference += [seats[k, 0] - (force - far), seats[k, 1] - far]
     return float(np.abs(difference).max() / np.linalg.norm(loads[0, 0]))
-
-
-@contextmanager
-def sweep_line(
-    variant: str, torque: float, rpm: float, duration: float, fmu: Path | str | None = None, damped: bool = True, coupling=None
-):
-    """The assembly of run-up and run-down, before them."""
-    choices = {"damping": SPUR_DAMPING * damped} | VARIANTS[variant] | ({"coupling": coupling} if coupling else {})
-    with unit(SPUR, choices, fmu, "co-simulation" if coupling else "model-exchange") as pair:
-        line = Driveline(SPUR, pair, damped=damped, coupling=coupling)
-        # Each side's own inertia; the shafts without the gears add less than 1 %.
-        sides = [inertia + blank.inertia[2, 2] for inertia, blank in zip(INERTIAS, line.blanks)]
-        ahead, behind = (inertia * rpm * RPM / duration for inertia in sides)
-        way = lambda t: rise(t) - 2.0 * rise(t - duration)  # noqa: E731
-        line.torques = (lambda t: torque * rise(t) + ahead * way(t), lambda t: torque * rise(t) - behind * way(t))
-        yield line
-
-
-def sweep(
-    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None, coupling=None,
-    down: bool = False,
-) -> tuple[History, ...]:  # fmt: skip
-    """The spur pair from rest to `rpm`, evenly, and `down` again; the teeth carry `torque`: the load brakes with less, the motor
-    drives with more. `coupling`: by co-simulation, with communication steps of `STEP`.
-
-    Signals of each history: `wall_m_per_s2`, the acceleration of the top wall at the sensor; `wave 0` and on, m/s, whose squares
-    add up to the mean square of the normal velocity over all walls; and `tangential_force_n`, `transmission_error_um` and
-    `stiffness_n_per_m` of the mesh.
-    """
-    with sweep_line(variant, torque, rpm, duration, fmu, coupling=coupling) as line:
-        walls, (spin, *_) = line.housing, line.gear_coordinates[5:]
-
-        def observe(_, q, q_t, q_tt):
-            mesh = [line.pair[f"mesh.{name}"] for name in ("tangentialForce", "transmissionError", "stiffness")]
-            return np.concatenate([[q[spin], q_t[spin] / RPM, walls.sensor @ q_tt[line.walls]], mesh, walls.waves @ q_t[line.walls]])
-
-        time, rows = line.run(duration * (1 + down), STEP, observe, 2)
-    names = ["wall_m_per_s2", "tangential_force_n", "transmission_error_um", "stiffness_n_per_m"]
-    rows[:, 4] *= 1e6
-    signals = dict(zip([*names, *(f"wave {i}" for i in range(len(walls.waves)))], rows[:, 2:].T))
-    run = History(time, rows[:, 0], rows[:, 1], signals)
-    return tuple(run.cut(slice(half * len(time) // (1 + down), (half + 1) * len(time) // (1 + down))) for half in range(1 + down))
-
-
-def mean_square(history: History) -> np.ndarray:
-    """Of the normal velocity over all walls, m^2/s^2, at each time."""
-    return sum(column**2 for name, column in history.signals.items() if name.startswith("wave "))
 
 
 def eigenfrequencies(stiffness: float) -> np.ndarray:

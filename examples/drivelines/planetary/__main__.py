@@ -6,7 +6,8 @@ import numpy as np
 from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 
-from ..files import save
+from examples.shared.files import save
+
 from . import cases, phase
 from .stage import IN_PHASE, PITCH, SEQUENTIAL, Stage
 

@@ -15,7 +15,7 @@ from gearmesh.energy import mesh_loss
 from gearmesh.poses import POSES, generalised, place
 from scipy.linalg import block_diag
 
-from ..files import local
+from examples.shared.files import local
 
 TEETH = (21, 39, 99)  # sun, planet, ring
 CENTER_DISTANCE = 0.3079208  # m

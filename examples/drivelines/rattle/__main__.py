@@ -8,7 +8,8 @@ import numpy as np
 from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 
-from ..files import save
+from examples.shared.files import save
+
 from .idle import balance, gearbox, period_one, restitution, shaken
 from .mujoco_joint import GAP, RATIO, balance as free_joint, kept_by_the_hinge, lost_motion, run
 

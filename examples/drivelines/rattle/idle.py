@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import numpy as np
 from gearmesh import GearPair, Turning, cosimulate, energy, integrate
 
-from ..files import shipped
+from examples.shared.files import shipped
 
 # The idle pair: fzg-c, 16 teeth on the countershaft, 24 on the idle gear.
 INERTIA, BASE_RADIUS = 1.5e-3, 101.4868e-3 / 2  # kg m^2 and m of the idle gear

@@ -7,7 +7,7 @@ import numpy as np
 from gearmesh import GearPair, Turning
 from gearmesh.energy import Ledger
 
-from ..files import shipped
+from examples.shared.files import shipped
 
 # fzg-c: 16/24 teeth, 150 um of circumferential backlash at the pitch circle of the 24-tooth gear, 109.8 mm.
 RATIO, GAP = 16 / 24, 150e-6 / 54.9e-3  # rad at the wheel

@@ -10,9 +10,9 @@ import numpy as np
 from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, RED, figure as new_figure
 
-from examples.tables import show
+from examples.shared.files import OUT, save
+from examples.shared.tables import show
 
-from ..files import OUT, save
 from . import linear
 from .jump import balance as parting, jump, linear_swing, sweep
 from .linear import ONE, SIX, closed_form, eigenfrequencies, measured

@@ -9,8 +9,8 @@ import gearmesh
 import numpy as np
 from gearmesh import GearPair, RunUp, Turning
 
-from .. import driven
-from ..files import PAIRS, local
+from examples.shared import driven
+from examples.shared.files import PAIRS, local
 
 TORQUE = 150.0  # N m on gear 1, and as much on gear 2
 INERTIA = 7.6e-3  # kg m^2, a steel disc of 150 mm and 20 mm

@@ -22,10 +22,10 @@ from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 from gearmesh.sweep import grid, sweep
 
-from examples.tables import show
+from examples.shared import driven
+from examples.shared.files import OUT, save, shipped
+from examples.shared.tables import show
 
-from .. import driven
-from ..files import OUT, save, shipped
 from . import runs
 
 SPEEDS, TORQUES = (1000.0, 14000.0), (50.0, 100.0, 200.0, 300.0)  # rpm, N m

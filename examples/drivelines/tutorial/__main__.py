@@ -16,9 +16,8 @@ import numpy as np
 from gearmesh import History, MeshCycle
 from gearmesh.plots import figure as new_figure
 
-from ..files import OUT, PAIRS, built, save
-from ..housing.cases import sweep
-from ..housing.model import SPUR
+from examples.shared.files import OUT, PAIRS, built, save
+from examples.shared.gearbox import SPUR, sweep
 
 TORQUE = 150.0
 ORDERS = (SPUR.teeth[0], 2 * SPUR.teeth[0])

@@ -14,7 +14,7 @@ matplotlib.use("Agg")
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "target" / "drivelines"
-PAIRS = Path(__file__).parent / "pairs"
+PAIRS = ROOT / "examples" / "drivelines" / "pairs"
 
 
 def save(figure, name: str) -> None:

@@ -53,21 +53,25 @@ const SET_AT_ONCE: f64 = 0.75;
 const NOISE: f64 = 1e-6;
 
 /// Errors of a forecast over what it foretells that count as none, squared.
-const EXACT: f64 = 1e-6;
+const EXACT: f64 = 1e-4;
 /// Most that one step says: a ratio of errors of e^(3/2).
 const LOUDEST: f64 = 3.0;
 /// Evidence from which on loads act late, from which on they act at once, and from which on it is not looked at again.
-const KNOWN: f64 = 6.0;
+const KNOWN: f64 = 4.0;
 const CHANGED: f64 = 15.0;
 const SETTLED: f64 = 60.0;
 /// Steps after which bodies that follow the loads are taken for those of a master that lets them act late.
-const PATIENCE: usize = 10;
+const PATIENCE: usize = 6;
 /// Mobilities over the most that the gears alone have, between which the loads move the bodies, and below which they no longer do.
 const MOBILITY: [f64; 2] = [0.2, 3.0];
 const NO_MOBILITY: f64 = 0.1;
 
 /// Steps that differ by less, relatively, are alike.
 const ALIKE: f64 = 1e-6;
+
+fn alike(length: f64, other: f64) -> bool {
+    (length - other).abs() <= ALIKE * length
+}
 
 /// In which step the loads act that a master reads after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -90,6 +94,7 @@ impl Lag {
     pub(super) fn drift(self, length: f64) -> Ahead {
         let outlook = Outlook {
             free: [0.0; 2],
+            slope: 0.0,
             mobility: [0.0; 2],
         };
         let given = match self {
@@ -108,6 +113,8 @@ pub(super) type Ahead = (Outlook, Option<[f64; 2]>, f64);
 pub(super) struct Outlook {
     /// a and d without it, m/s².
     pub free: [f64; 2],
+    /// Rate of change of that a over the step, m/s³; after a step of another length 0, since with it steps by turns drive modes of trains.
+    pub slope: f64,
     /// w and theta w, 1/kg.
     pub mobility: [f64; 2],
 }
@@ -156,11 +163,10 @@ struct Steps {
 impl Steps {
     /// Whether the midpoint of a step of `length` s is as far from that of the last step as that one is from the one before.
     fn goes_on(&self, length: f64) -> bool {
-        let alike = |other: f64| (length - other).abs() <= ALIKE * length;
         match self.count {
             0 => false,
-            1 => alike(self.length[0]),
-            _ => alike(self.length[1]),
+            1 => alike(length, self.length[0]),
+            _ => alike(length, self.length[1]),
         }
     }
 
@@ -439,29 +445,31 @@ impl Master {
         } else {
             1
         };
+        let lengths = [length, steps.length[0]];
         match lag {
             Lag::None => {
                 let [a, d] = &steps.change;
-                let outlook = self.outlook(lag, w, [a, d], &steps.force, even);
+                let outlook = self.outlook(lag, w, [a, d], &steps.force, even, lengths);
                 (outlook, None, length)
             }
             Lag::One => {
                 let [mut a, mut d] = steps.change;
-                let outlook = self.outlook(lag, w, [&a, &d], &steps.force[1..], even);
+                let outlook = self.outlook(lag, w, [&a, &d], &steps.force[1..], even, lengths);
                 let given = outlook.under(steps.force[0]);
                 push(&mut a, given[0]);
                 push(&mut d, given[1]);
                 // A master that goes by turns goes on with them.
-                let turns = steps.count > 1 && (length - steps.length[1]).abs() <= ALIKE * length;
+                let turns = steps.count > 1 && alike(length, steps.length[1]);
                 let next = if turns { steps.length[0] } else { length };
                 let even = if turns || next == length { even + 1 } else { 1 };
-                let outlook = self.outlook(lag, w, [&a, &d], &steps.force, even);
+                let lengths = [next, length];
+                let outlook = self.outlook(lag, w, [&a, &d], &steps.force, even, lengths);
                 (outlook, Some(given), next)
             }
         }
     }
 
-    /// Of the step after those with `change`, in which `acting` acted, newest first.
+    /// Of the step after those with `change`, in which `acting` acted, newest first; `lengths` are its own and that of the newest one, s.
     fn outlook(
         &self,
         lag: Lag,
@@ -469,6 +477,7 @@ impl Master {
         change: [&Series<KEPT>; 2],
         acting: &[f64],
         even: usize,
+        lengths: [f64; 2],
     ) -> Outlook {
         // The step to come has no force yet.
         let mut forces = [0.0; KEPT];
@@ -479,9 +488,18 @@ impl Master {
         let model = &self.models[lag.index()];
         let before = w * forces[1];
         let [a, d] = [0, 1].map(|k| change[k][0] + dot(&model.coefficients[k], &known));
+        let mobility = self.mobility(lag, w);
+        let free = [a + before, d + 0.5 * before];
+        let newest = change[0][0] + mobility[0] * forces[1];
+        let slope = if alike(lengths[0], lengths[1]) {
+            (free[0] - newest) / lengths[0]
+        } else {
+            0.0
+        };
         Outlook {
-            free: [a + before, d + 0.5 * before],
-            mobility: self.mobility(lag, w),
+            free,
+            slope,
+            mobility,
         }
     }
 

@@ -327,7 +327,11 @@ impl Element {
         workspace: &mut Workspace,
     ) -> Option<(Loads, f64)> {
         let (h, [y, u]) = (acting.length, acting.displaced);
-        let Outlook { free, mobility } = acting.outlook;
+        let Outlook {
+            free,
+            slope,
+            mobility,
+        } = acting.outlook;
         let mut at = |ahead: f64, dy: f64, du: f64| -> Option<(Loads, f64)> {
             let time = acting.time + ahead;
             if time == 0.0 && du == 0.0 {
@@ -350,13 +354,14 @@ impl Element {
         if theta < RULES[0] {
             return at(h, free[1] * h.powi(2), 0.0);
         }
-        // One step of the classical Runge-Kutta method for y'' = e - w F.
+        // One step of the classical Runge-Kutta method for y'' = e - w F, with e linear in time.
         let mut stages = [now; 4];
         let (mut dy, mut du) = (0.0, 0.0);
         for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {
             let (y, u) = (ahead * dy, ahead * du);
             *stage = at(ahead, y, u)?;
-            (dy, du) = (u, free[0] - stage.1 * mobility[0]);
+            let without = free[0] + slope * (ahead - 0.5 * h);
+            (dy, du) = (u, without - stage.1 * mobility[0]);
         }
         let parted = stages.iter().any(|(_, force)| *force == 0.0);
         let weights = if parted { MEAN } else { EQUIVALENT };

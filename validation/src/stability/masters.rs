@@ -17,6 +17,7 @@ use gearmesh_preprocessor::package::Starts;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// What a unit is told, as the numbers of `coupling` in modelDescription.xml.
@@ -257,9 +258,12 @@ pub struct Way {
     pub derivatives: bool,
 }
 
-/// Rising time of the load and length of a run, s.
+/// Rising time of the load, and how long it is taken up, with what that leaves to settle, s.
 const RISE: f64 = 2e-3;
-const DURATION: f64 = 8e-3;
+const TAKE_UP: f64 = 8e-3;
+/// Length of a run, of which the last two fifths count as steady, and of a sweep up and down, s.
+const DURATION: f64 = 24e-3;
+const SWEEP: f64 = 40e-3;
 /// Mesh cycles of a planet's meshes against those of the first one.
 const PHASE: f64 = 0.3;
 
@@ -409,34 +413,28 @@ fn run(
     Ok(Some(course))
 }
 
-/// rms error of the approach over its standard deviation, worst mesh, %: over the run, and after the load has risen and settled.
+/// rms error of the approach over its standard deviation, worst mesh, %: while the load is taken up (a sweep: all over it), and
+/// after all has settled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    pub whole: f64,
+    pub take_up: f64,
     pub steady: f64,
 }
 
-fn errors(found: &Course, exact: &[(usize, Vec<f64>)]) -> Option<Errors> {
-    let found = found.as_ref()?;
-    let last = exact.last().map_or(0, |(tick, _)| *tick);
-    let over = |from: usize| {
-        let rows = || {
-            found
-                .iter()
-                .filter(move |(tick, _)| *tick >= from && *tick <= last)
-        };
-        let worst = (0..exact[0].1.len()).map(|j| {
-            let off = rms(rows().map(|(tick, x)| x[j] - exact[*tick].1[j]));
-            let all = || exact[from..].iter().map(move |(_, x)| x[j]);
-            let mean = crate::data::mean(all());
-            100.0 * off / rms(all().map(|x| x - mean))
-        });
-        worst.fold(0.0, f64::max)
-    };
-    Some(Errors {
-        whole: over(0),
-        steady: over(last * 6 / 10),
-    })
+/// The part of it between two ticks.
+fn error(
+    found: &[(usize, Vec<f64>)],
+    exact: &[(usize, Vec<f64>)],
+    ticks: RangeInclusive<usize>,
+) -> f64 {
+    let rows = || found.iter().filter(|(tick, _)| ticks.contains(tick));
+    let worst = (0..exact[0].1.len()).map(|j| {
+        let off = rms(rows().map(|(tick, x)| x[j] - exact[*tick].1[j]));
+        let all = || exact[ticks.clone()].iter().map(|(_, x)| x[j]);
+        let mean = crate::data::mean(all());
+        100.0 * off / rms(all().map(|x| x - mean))
+    });
+    worst.fold(0.0, f64::max)
 }
 
 /// A system, its exact course, and how often it was asked for.
@@ -455,7 +453,7 @@ impl<'a> Case<'a> {
         let tick = packed.step / TICKS as f64;
         let cycles = 1.0 / (steps * packed.step);
         let duration = if bodies.sweep.is_some() {
-            5.0 * DURATION
+            SWEEP
         } else {
             DURATION
         };
@@ -488,7 +486,15 @@ impl<'a> Case<'a> {
             self.cycles,
             self.duration,
         )?;
-        Ok(errors(&found, &self.exact))
+        let last = self.exact.len() - 1;
+        let take_up = match self.bodies.sweep {
+            Some(_) => last,
+            None => (TAKE_UP / self.tick) as usize,
+        };
+        Ok(found.map(|found| Errors {
+            take_up: error(&found, &self.exact, 0..=take_up),
+            steady: error(&found, &self.exact, last * 6 / 10..=last),
+        }))
     }
 }
 
@@ -598,7 +604,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
                         let cell = |e: Option<Errors>, part: fn(Errors) -> f64| {
                             e.map_or("unstable".into(), |e| format!("{:.3}", part(e)))
                         };
-                        let whole: fn(Errors) -> f64 = |e| e.whole;
+                        let take_up: fn(Errors) -> f64 = |e| e.take_up;
                         let steady: fn(Errors) -> f64 = |e| e.steady;
                         let cycle = if swept {
                             "sweep".into()
@@ -608,9 +614,9 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
                         rows.push(format!(
                             "{} | {cycle} | {kind} | {master:?} | {theta} | {} | {} | {} | {} | {} | {}",
                             case.bodies.name,
-                            cell(held, whole),
-                            cell(known, whole),
-                            cell(found, whole),
+                            cell(held, take_up),
+                            cell(known, take_up),
+                            cell(found, take_up),
                             cell(held, steady),
                             cell(known, steady),
                             cell(found, steady),
@@ -635,7 +641,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
                     steps: ALIKE,
                     derivatives,
                 })?;
-                Ok(found.map_or("unstable".into(), |e| format!("{:.3}", e.whole)))
+                Ok(found.map_or("unstable".into(), |e| format!("{:.3}", e.take_up)))
             };
             let [without, with] = [find(false)?, find(true)?];
             rows.push(format!("{master:?} | {theta} | {without} | {with}"));

@@ -15,7 +15,8 @@ use gearmesh::table::{
 use serde_json::{Value, json};
 
 use super::coverage::{
-    Coverage, default_axes, inside, measure, measure_at_run_time, misalignments, tilt,
+    Coverage, default_axes, inside, measure, measure_at_run_time, mesh_positions, misalignments,
+    tilt,
 };
 use super::plan::table_within;
 use super::records::{
@@ -30,7 +31,7 @@ use crate::contact::{
 use crate::finite_element::{FiniteElementError, Origin};
 use crate::pair::modifications;
 
-/// Mesh positions at which every corner of the operating range is solved.
+/// Mesh positions at which every corner of the operating range is solved on the coarse model.
 const CORNER_POSITIONS: usize = 16;
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
@@ -84,9 +85,6 @@ pub enum RecipeError {
         "contact at run time has no stress in the tooth roots in plane strain; leave out `rootStress`, --plane-strain or --contact"
     )]
     PlaneStrain,
-    /// A corner of the operating range at which contact cannot be solved.
-    #[error("the operating range of the pair file cannot be covered: {0}")]
-    Corner(ContactError),
     /// No grid reaches [`Recipe::max_error`].
     #[error(
         "--max-error = {bound}: the best grid has an rms error of {reached:.5}; ask for no less, or narrow the ranges of the pair file"
@@ -171,24 +169,16 @@ impl Recipe {
             ..pair.clone()
         };
         let models = ElasticModels::new(&coarse, settings, progress)?;
-        self.check_corners(&models)
-    }
-
-    /// Solves under the largest torque at the corners of the operating range and at its nominal state.
-    fn check_corners(&self, models: &ElasticModels) -> Result<(), RecipeError> {
-        let coverage = self.coverage(&models.pair);
-        let torque = coverage.maximum_torque;
-        let loads = LoadCase::matrix(&[torque], &nominal_and_ends(coverage.misalignment));
-        for flank in flanks(&models.pair) {
-            for center_distance_offset in nominal_and_ends(coverage.center_distance_offset) {
-                let input = CycleInput {
-                    flank,
-                    center_distance_offset,
-                    positions: CORNER_POSITIONS,
-                };
-                MeshCycle::solve_all(&models.solver, &[None, None], &input, &loads, &|_| {})
-                    .map_err(RecipeError::Corner)?;
-            }
+        let coverage = self.coverage(&coarse);
+        let corners = Axes {
+            displacement_fraction: vec![1.0],
+            center_distance_offset: nominal_and_ends(coverage.center_distance_offset),
+            misalignment: nominal_and_ends(coverage.misalignment),
+            mesh_position: mesh_positions(CORNER_POSITIONS),
+        };
+        for flank in flanks(&coarse) {
+            let torque = coverage.maximum_torque;
+            sweep(&models.solver, flank, &corners, torque, &|_, _| ())?;
         }
         Ok(())
     }
@@ -209,7 +199,6 @@ impl Recipe {
     ) -> Result<Made, RecipeError> {
         let pair = &models.pair;
         self.check(pair, &models.settings)?;
-        self.check_corners(models)?;
         let coverage = &self.coverage(pair);
         let mut account = Account::default();
 

@@ -252,6 +252,6 @@ pub fn sweep(
 pub(super) fn solve_error(flank: Flank, [c, m, p]: [f64; 3], error: impl Display) -> TableError {
     let [c, m] = [1e6 * c, 1e3 * m].map(rounded);
     TableError::Failed(format!(
-        "static solve at {flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}: {error}"
+        "the operating range of the pair file cannot be covered: static solve at {flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}: {error}"
     ))
 }

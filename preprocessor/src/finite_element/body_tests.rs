@@ -11,6 +11,7 @@ use crate::samples;
 use approx::assert_relative_eq;
 use gearmesh::contact::Segment;
 use gearmesh::gear::{Body, Gear, GearKind};
+use nalgebra::DMatrix;
 use serde_json::Value;
 use std::f64::consts::PI;
 
@@ -20,10 +21,16 @@ fn gear_of(case: &Value) -> Gear {
     let ends = |key: &str| [0, 1].map(|i| 1e-3 * case[key][i].as_f64().unwrap());
     let teeth = number("teeth") as u32;
     let helix = number("helix_angle_deg");
-    let gear = samples::gear(GearKind::External, teeth, 1.0, helix, 0.0);
+    let outside = case["rim_diameter_mm"].as_f64();
+    let kind = outside.map_or(GearKind::External, |_| GearKind::Ring);
+    let gear = samples::gear(kind, teeth, 1.0, helix, 0.0);
     let mut gear = samples::with_module(gear, 1e-3 * number("normal_module_mm"));
     gear.face_width = 1e-3 * number("face_width_mm");
-    gear.tip_radius = gear.reference_radius() + gear.normal_module;
+    gear.tip_radius = gear.reference_radius() + gear.kappa() * gear.normal_module;
+    if let Some(outside) = outside {
+        gear.held_radius = 0.5e-3 * outside;
+        return gear;
+    }
     gear.held_radius = 0.5e-3 * number("bore_diameter_mm");
     let held_ends = case["held_z_mm"].as_array();
     let held = |z: &Value| held_ends.is_some_and(|held| held.contains(z));
@@ -88,43 +95,76 @@ fn segments_of(case: &Value, gear: &Gear) -> Vec<Segment> {
         .collect()
 }
 
+/// The only case of a file, its gear, and its circle of holes or pins, one of them at `angle` (rad).
+fn case_of(text: &str, circle: &str, angle: f64) -> (Value, Gear, HoleCircle) {
+    let mut data: Value = serde_json::from_str(text).unwrap();
+    let case = data["cases"][0].take();
+    let gear = gear_of(&case);
+    let number = |key: &str| case[circle][key].as_f64().unwrap();
+    let circle = HoleCircle {
+        count: number("count") as u32,
+        circle_radius: 0.5e-3 * number("circle_mm"),
+        radius: 0.5e-3 * number("diameter_mm"),
+        angle,
+    };
+    (case, gear, circle)
+}
+
+/// Influences of the segments of `case` on `gear` with this `body`, and those expected, nm/N.
+fn influences(case: &Value, gear: &Gear, body: &UnevenBody) -> [DMatrix<f64>; 2] {
+    let segments = segments_of(case, gear);
+    let last = segments.iter().map(|segment| segment.tooth).max().unwrap();
+    let mut settings = Settings::new(Refinement::Normal, last as usize);
+    let kernel = 1e-3 * case["kernel_half_width_mm"].as_f64().unwrap();
+    settings.discretization.kernel_half_width = kernel / gear.normal_module;
+    let on_foundation = model(&super::uneven::cut_from(gear, body), &settings);
+    let on_body = on_foundation.on_body(gear, body, &settings, None, &|_, _| true);
+    let found = on_body.unwrap().at_tooth(0).unwrap().bulk(&segments);
+    let expected = DMatrix::from_fn(segments.len(), segments.len(), |i, j| {
+        case["influence_nm_per_n"][i][j].as_f64().unwrap()
+    });
+    [1e9 * found.unwrap(), expected]
+}
+
 #[test]
 fn teeth_above_and_between_the_holes_of_a_web_give_way_like_an_independent_model_of_the_whole_gear()
 {
     let text = include_str!("../../../tests/data/web_holes.json");
-    let data: Value = serde_json::from_str(text).unwrap();
-    let case = &data["cases"][0];
-    let gear = gear_of(case);
+    let (case, gear, circle) = case_of(text, "web_holes", 0.0);
     let body = gear.body.unwrap();
-    let number = |key: &str| case["web_holes"][key].as_f64().unwrap();
-    let uneven = UnevenBody {
+    let body = UnevenBody {
         radius: body.rim_radius,
         z: body.web,
-        shape: BodyShape::Holes(HoleCircle {
-            count: number("count") as u32,
-            circle_radius: 0.5e-3 * number("circle_mm"),
-            radius: 0.5e-3 * number("diameter_mm"),
-            angle: 0.0,
-        }),
+        shape: BodyShape::Holes(circle),
     };
-    let mut settings = Settings::new(Refinement::Normal, 4);
-    let kernel = 1e-3 * case["kernel_half_width_mm"].as_f64().unwrap();
-    settings.discretization.kernel_half_width = kernel / gear.normal_module;
-    let on_foundation = model(&super::uneven::cut_from(&gear, &uneven), &settings);
-    let wheel = on_foundation.on_body(&gear, &uneven, &settings, None, &|_, _| true);
-    let segments = segments_of(case, &gear);
-    let found = 1e9 * wheel.unwrap().at_tooth(0).unwrap().bulk(&segments).unwrap();
-    let expected = |i: usize, j: usize| case["influence_nm_per_n"][i][j].as_f64().unwrap();
-    for (i, row) in found.row_iter().enumerate() {
-        for (j, found) in row.iter().enumerate() {
-            assert_relative_eq!(*found, expected(i, j), max_relative = 3e-3);
-        }
+    let [found, expected] = influences(&case, &gear, &body);
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_relative_eq!(*found, *expected, max_relative = 3e-3);
     }
     // Of the teeth themselves 5 % hang on where they stand.
-    let varies = |of: &dyn Fn(usize) -> f64| (of(1) - of(0)) / of(0);
-    let modulation = varies(&|i| expected(i, i));
+    let varies = |of: &DMatrix<f64>| (of[(1, 1)] - of[(0, 0)]) / of[(0, 0)];
+    let modulation = varies(&expected);
     assert!(modulation > 0.04);
-    assert_relative_eq!(varies(&|i| found[(i, i)]), modulation, max_relative = 3e-2);
+    assert_relative_eq!(varies(&found), modulation, max_relative = 3e-2);
+}
+
+#[test]
+fn teeth_of_a_ring_over_and_between_its_pins_yield_as_in_an_independent_model() {
+    let text = include_str!("../../../tests/data/ring_pins.json");
+    // A pin lies below the middle of tooth 0, and body +x half a pitch from there.
+    let half_pitch = PI / 40.0;
+    let (case, gear, circle) = case_of(text, "rim_pins", -half_pitch);
+    let body = UnevenBody {
+        radius: gear.root_radius() + 1.25 * gear.normal_module,
+        z: [0.0, gear.face_width],
+        shape: BodyShape::Pins(circle),
+    };
+    let [found, expected] = influences(&case, &gear, &body);
+    let own = expected.diagonal().map(f64::sqrt);
+    let error = (&found - &expected).component_div(&(&own * own.transpose()));
+    assert!(error.amax() < 1e-2, "{error:.4}");
+    // Midway between two pins a tooth gives way nearly twice as far as above one.
+    assert!(expected[(3, 3)] > 1.8 * expected[(0, 0)]);
 }
 
 /// Of 20 teeth, the rim inside at 28 mm, the hub at 20 mm, the bore at 15 mm.

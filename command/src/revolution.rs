@@ -24,10 +24,11 @@ pub fn solve(
     job: &Job,
 ) -> Result<(), ContactError> {
     for gear in (0..2).filter(|gear| pair.bodies[*gear].is_some()) {
-        let progress = |share| job.show(&format!("turn of gear {}", gear + 1), share);
         let (input, load) = (&case.input, case.load);
-        let turn = Revolution::solve(solver, &pair.shafts, input, load, gear, &progress)?;
-        case.revolutions.push(turn);
+        let turn = Revolution::solve(solver, &pair.shafts, input, load, gear, &|share| {
+            job.show(&format!("turn of gear {}", gear + 1), share);
+        });
+        case.revolutions.push(turn?);
     }
     Ok(())
 }

@@ -82,17 +82,12 @@ fn drawing(pair: &Pair) -> Vec<Figure> {
         // Gear 2 above gear 1, or inside of it.
         let axis = if i == 0 { 0.0 } else { 1e3 * g.center_distance };
         let z = |own: f64| 1e3 * (own + gear.face_offset);
-        let mut outline = |label: String, ends: [f64; 2], radius: f64| {
-            let [low, high] = ends.map(z);
-            let r = 1e3 * radius;
-            let corners = [(low, -r), (high, -r), (high, r), (low, r), (low, -r)];
-            curves.push(Curve::new(label, corners.map(|(x, y)| (x, axis + y))));
-        };
-        outline(
+        let ([low, high], r) = ([0.0, gear.face_width].map(z), 1e3 * gear.tip_radius);
+        let corners = [(low, -r), (high, -r), (high, r), (low, r), (low, -r)];
+        curves.push(Curve::new(
             format!("gear {}", i + 1),
-            [0.0, gear.face_width],
-            gear.tip_radius,
-        );
+            corners.map(|(x, y)| (x, axis + y)),
+        ));
         let Some(shaft) = shaft else { continue };
         curves.push(Curve::new(
             format!("shaft {}", i + 1),
@@ -176,12 +171,9 @@ fn deflections(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
                 name,
             ));
         }
-        let points = |values: &[f64]| -> Vec<(f64, f64)> {
-            let values = values.iter().map(|v| 1e6 * v);
-            state.z.iter().map(|z| 1e3 * z).zip(values).collect()
-        };
         for (label, values) in [("together", &state.closing), ("torsion", &state.torsion)] {
-            closings.push(of_flank(Curve::new(label, points(values)), name));
+            let points = state.z.iter().zip(values).map(|(z, v)| (1e3 * z, 1e6 * v));
+            closings.push(of_flank(Curve::new(label, points), name));
         }
     }
     charts! {
@@ -208,11 +200,11 @@ fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
     for (i, shaft) in pair.shafts.iter().enumerate() {
         let count = shaft.as_ref().map_or(0, |shaft| shaft.bearings.len());
         for k in 0..count {
-            let force = |_: &Case, state: &ShaftState| {
+            let forces = curves(&|_, state| {
                 let [x, y, _] = state.bearings[i][k].linear;
                 x.hypot(y)
-            };
-            for (curve, all) in curves(&force).into_iter().zip(&mut radial) {
+            });
+            for (curve, all) in forces.into_iter().zip(&mut radial) {
                 let label = format!("gear {} bearing {}", i + 1, k + 1);
                 let flank = curve.label.clone();
                 all.push(of_flank(Curve { label, ..curve }, &flank));

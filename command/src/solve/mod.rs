@@ -195,14 +195,13 @@ impl Solve {
             center_distance_offset: self.center_distance_offset_um * 1e-6,
             positions: self.positions,
         };
-        let progress = |share| job.show("static contact", share);
         let fillets = model.fillets.as_ref();
         let mut cases = Case::solve_all(
             (&model.solver, &pair.shafts),
             fillets,
             &input,
             loads,
-            &progress,
+            &|share| job.show("static contact", share),
         )?;
         for case in cases.iter_mut().filter(|_| self.revolution) {
             revolution::solve(case, &model.solver, &pair, job)?;

@@ -97,8 +97,9 @@ impl Turn {
         }
         let of_gear = |gear| -> Result<Vec<Parts>, ContactError> {
             let found = solver.beyond_mean_body(flank, &problem, gear, &patterns)?;
-            let parts = |c: DMatrix<f64>| [c[(0, 0)], 0.5 * (c[(0, 1)] + c[(1, 0)]), c[(1, 1)]];
-            Ok(found.into_iter().flatten().map(parts).collect())
+            let parts = (found.into_iter().flatten())
+                .map(|c| [c[(0, 0)], 0.5 * (c[(0, 1)] + c[(1, 0)]), c[(1, 1)]]);
+            Ok(parts.collect())
         };
         Ok(Turn {
             mesh_compliance: 1.0 / by_approach,

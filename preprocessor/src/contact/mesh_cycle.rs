@@ -132,7 +132,7 @@ impl MeshCycle {
         // Where the shafts open the flanks the others approach by as much more.
         let range = (shafts.as_ref()).map_or(0.0, |s| 2.0 * s.range(geometry, largest));
         let solver = &solver.clone().followed_to(solver.setup().reach + range);
-        let solve = |tau: &f64| {
+        let solved = mesh_position.par_iter().map(|tau| {
             let mut at = solver.position(input.flank, *tau, input.center_distance_offset)?;
             let mut solved: Vec<Solved> = Vec::with_capacity(cases.len());
             for case in cases {
@@ -164,8 +164,7 @@ impl MeshCycle {
                 progress(count as f64 / (n * cases.len()) as f64);
             }
             Ok(solved)
-        };
-        let solved = mesh_position.par_iter().map(solve);
+        });
         let solved = solved.collect::<Result<Vec<_>, ContactError>>()?;
         let empty = MeshCycle {
             mesh_position,

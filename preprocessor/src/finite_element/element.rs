@@ -200,12 +200,11 @@ pub(super) struct FacePoint {
 /// The integration points of the face of an element with the nodes `x` whose nodes are those that `rest`; none without such a face.
 pub(super) fn face_points(x: &[[f64; 3]], rest: &[bool]) -> Vec<FacePoint> {
     let (dimension, nodes) = kind(x.len());
-    let on_face = |d: usize, end: f64| {
-        let mut face = nodes.iter().zip(rest).filter(|(c, _)| c[d] == end);
+    let mut sides = (0..dimension).flat_map(|d| [(d, -1.0), (d, 1.0)]);
+    let Some((normal, end)) = sides.find(|(d, end)| {
+        let mut face = nodes.iter().zip(rest).filter(|(c, _)| c[*d] == *end);
         face.all(|(_, rests)| *rests)
-    };
-    let sides = (0..dimension).flat_map(|d| [(d, -1.0), (d, 1.0)]);
-    let Some((normal, end)) = sides.into_iter().find(|(d, end)| on_face(*d, *end)) else {
+    }) else {
         return vec![];
     };
     let along: Vec<usize> = (0..dimension).filter(|d| *d != normal).collect();

@@ -114,8 +114,10 @@ impl FiniteElementCompliance {
             _ => {
                 let held = (gear.held_radius, gear.body);
                 let what = format!("{basis:?} on {uneven_body:?} {held:?} ");
-                let compute = || uneven::stiffness(gear, uneven_body, &basis);
-                cache::get(cache, &Model::new(&cut, settings)?, &what, compute)?.0
+                let found = cache::get(cache, &Model::new(&cut, settings)?, &what, || {
+                    uneven::stiffness(gear, uneven_body, &basis)
+                });
+                found?.0
             }
         };
         let mut turned = self.turned.as_deref().unwrap_or(self).clone();

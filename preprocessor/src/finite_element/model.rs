@@ -124,12 +124,14 @@ impl Model {
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
         }
-        let condensing = |share| progress(Stage::Condensation, share);
-        let sector = condense(mesh, columns, loads, &condensing)?;
+        let sector = condense(mesh, columns, loads, &|share| {
+            progress(Stage::Condensation, share)
+        })?;
         let teeth = self.gear.teeth;
         let solved = ring::solved(teeth as usize, *sectors.end() as usize);
-        let closing = |share| progress(Stage::Ring, share);
-        ring::response(&sector, teeth, sectors, &solved, &closing)
+        ring::response(&sector, teeth, sectors, &solved, &|share| {
+            progress(Stage::Ring, share)
+        })
     }
 }
 
@@ -179,12 +181,12 @@ pub fn centre_line_compliance(
     let observed = shape_functions_at(&mesh, crossing)
         .ok_or(FiniteElementError::NoCrossing(1e3 * crossing))?;
     // Components in the node's own axes.
-    let components = |(node, n): (usize, f64)| {
+    let observed = observed.into_iter().flat_map(|(node, n)| {
         let (sin, cos) = (direction - mesh.angles[node]).sin_cos();
         [(2 * node, n * cos), (2 * node + 1, n * sin)]
-    };
-    let observed = observed.into_iter().flat_map(components).collect();
-    let influence = model.response(&mesh, &[load, observed], 2, 0..=0, &|_, _| true)?;
+    });
+    let columns = [load, observed.collect()];
+    let influence = model.response(&mesh, &columns, 2, 0..=0, &|_, _| true)?;
     Ok(influence[0][(1, 0)])
 }
 

@@ -239,13 +239,13 @@ impl BodyChange {
     /// [`BodyChange::coordinates`] in the mean, on the displacements by each other, m N.
     pub fn beyond_mean(&self, coordinates: &DMatrix<f64>, teeth: &[i32]) -> Vec<DMatrix<f64>> {
         let beyond = &*self.whole - &*self.mean;
-        let at_tooth = |tooth: &i32| {
+        let works = teeth.iter().map(|tooth| {
             let mut turned = coordinates.clone();
             let angle = TAU * f64::from(*tooth) / f64::from(self.teeth);
             self.basis.turn(turned.as_view_mut(), angle);
             turned.transpose() * (&beyond * &turned)
-        };
-        teeth.iter().map(at_tooth).collect()
+        });
+        works.collect()
     }
 }
 

@@ -267,8 +267,8 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
         text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh"))
     };
     let unit = format!("resources/{UNIT_FILE}");
-    let missing = || faulty(&unit, "is missing; it was not packed by gearmesh");
-    let found = text(&unit)?.ok_or_else(missing)?;
+    let found =
+        text(&unit)?.ok_or_else(|| faulty(&unit, "is missing; it was not packed by gearmesh"))?;
     let unit = parse_unit(found.as_bytes()).map_err(|reason| faulty(&unit, &reason))?;
     let tables = text(&format!("resources/{TABLES_FILE}"))?;
     let description = text(DESCRIPTION)?.unwrap_or_default();

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use std::str::FromStr;
 
 use super::dynamics::{MeshDynamics, Stiffness};
-use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index, index_by_name};
+use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, Variable, index, index_by_name};
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Table, TableError, TableFile, TeethRecord};
 use gearmesh::words::to_digits;
@@ -233,22 +233,27 @@ impl FromStr for Setting {
                 x.is_finite() && min.is_none_or(|m| *x >= m) && max.is_none_or(|m| *x <= m)
             }),
         };
-        let remedy = || match variable.kind {
-            Kind::Boolean => "true or false".to_owned(),
-            Kind::Enumeration => format!("one of {}", items.join(", ")),
-            Kind::Real => {
-                let unit = Some(variable.unit).filter(|unit| !["", "1"].contains(unit));
-                let limits = [
-                    min.map(|min| format!(", {min} or above")),
-                    max.map(|max| format!(", {max} or below")),
-                    unit.map(|unit| format!(", in {unit}")),
-                ];
-                let limits: String = limits.into_iter().flatten().collect();
-                format!("a number with a decimal point{limits}")
-            }
-        };
-        let value = parsed.ok_or_else(|| format!("{name} = {value}: give {}", remedy()))?;
+        let value = parsed
+            .ok_or_else(|| format!("{name} = {value}: give {}", possible_values(variable)))?;
         Ok(Self { index, value })
+    }
+}
+
+/// What may be given for `variable`, in words.
+fn possible_values(variable: &Variable) -> String {
+    match variable.kind {
+        Kind::Boolean => "true or false".to_owned(),
+        Kind::Enumeration => format!("one of {}", variable.items.join(", ")),
+        Kind::Real => {
+            let unit = Some(variable.unit).filter(|unit| !["", "1"].contains(unit));
+            let limits = [
+                variable.min.map(|min| format!(", {min} or above")),
+                variable.max.map(|max| format!(", {max} or below")),
+                unit.map(|unit| format!(", in {unit}")),
+            ];
+            let limits: String = limits.into_iter().flatten().collect();
+            format!("a number with a decimal point{limits}")
+        }
     }
 }
 

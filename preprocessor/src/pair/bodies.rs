@@ -247,14 +247,14 @@ fn of_matrix(
         "give nodes all around, at most {:.2} deg apart", 90.0 / FEWEST_ORDERS as f64);
     // The body is turned by the angle.
     let (sin, cos) = given.angle_deg.to_radians().sin_cos();
-    let turned = |[x, y, z]: [f64; 3]| {
-        [
+    for point in &mut points {
+        let [x, y, z] = *point;
+        *point = [
             cos * x - sin * y,
             sin * x + cos * y,
             z.clamp(0.0, gear.face_width),
-        ]
-    };
-    points.iter_mut().for_each(|point| *point = turned(*point));
+        ];
+    }
 
     let field = path("stiffness_n_per_mm_file");
     let file = &given.stiffness_n_per_mm_file;

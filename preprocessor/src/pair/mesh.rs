@@ -339,8 +339,10 @@ pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) ->
 /// External gear and ring of an internal pair, and their pressure angles at the tip.
 fn internal(geometry: &PairGeometry) -> Option<[(&Gear, f64); 2]> {
     let ring = geometry.ring()?;
-    let tip = |g: &Gear| (g.base_radius() / g.tip_radius).acos();
-    Some([1 - ring, ring].map(|i| (&geometry.gears[i], tip(&geometry.gears[i]))))
+    Some([1 - ring, ring].map(|i| {
+        let gear = &geometry.gears[i];
+        (gear, (gear.base_radius() / gear.tip_radius).acos())
+    }))
 }
 
 /// Clearance between the tip corners of pinion and ring where the tip circles cross, as an angle of the ring, rad;

@@ -70,6 +70,16 @@ fn mended(fields: &mut Value, error: &FormError) -> Option<Result<PairFile, Form
     Some(serde_path_to_error::deserialize(&*fields))
 }
 
+/// Whether `error` is about the field `at`, or one in it.
+fn stands_at(error: &FormError, at: &[String]) -> bool {
+    let said = error.inner().to_string();
+    let mut there = pointer(error.path());
+    if said.starts_with("missing field") {
+        there.extend(said.split('`').nth(1).map(str::to_owned));
+    }
+    there.starts_with(at)
+}
+
 /// `fields` with a value at `at` that has the right form, one of `known` names, or without any there: the first that leads to no error
 /// there.
 fn with_another_value(
@@ -78,14 +88,6 @@ fn with_another_value(
     known: &[&str],
 ) -> Option<Result<PairFile, FormError>> {
     let (last, group) = at.split_last()?;
-    let stands_at = |error: &FormError| {
-        let said = error.inner().to_string();
-        let mut there = pointer(error.path());
-        if said.starts_with("missing field") {
-            there.extend(said.split('`').nth(1).map(str::to_owned));
-        }
-        there.starts_with(at)
-    };
     let group = joined(group);
     let mut values = vec![json!(1), json!(true), json!([0, 1]), json!("name")];
     values.extend(known.iter().map(|name| json!(name)));
@@ -103,7 +105,7 @@ fn with_another_value(
             _ => return None,
         }
         match serde_path_to_error::deserialize(&*fields) {
-            Err(error) if stands_at(&error) => (),
+            Err(error) if stands_at(&error, at) => (),
             read => return Some(read),
         }
     }
@@ -279,20 +281,20 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let alike = |a: &str, b: &str| {
         strsim::normalized_damerau_levenshtein(a, b).max(strsim::sorensen_dice(a, b))
     };
-    let likeness = |name: &str| {
+    // The first of those that are equally near.
+    let rated = names.iter().rev().map(|&name| {
         // Words in common at the end, such as the unit, do not make a name.
         let shared = given.rsplit('_').zip(name.rsplit('_'));
         let shared: usize = (shared.take_while(|(a, b)| a == b))
             .map(|(word, _)| word.len() + 1)
             .sum();
         let [a, b] = [&given[..], name].map(|all| &all[..all.len().saturating_sub(shared)]);
-        match !a.is_empty() && !b.is_empty() && alike(a, b) < 0.5 {
+        let likeness = match !a.is_empty() && !b.is_empty() && alike(a, b) < 0.5 {
             true => 0.0,
             false => alike(&given, name),
-        }
-    };
-    // The first of those that are equally near.
-    let rated = names.iter().rev().map(|name| (likeness(name), *name));
+        };
+        (likeness, name)
+    });
     let best = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 >= 0.6).then_some(best.1)
 }

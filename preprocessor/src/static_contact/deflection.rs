@@ -55,19 +55,21 @@ impl Deflection {
         }
         let above = self.points.partition_point(|p| p[0] <= z);
         let last = above.clamp(1, self.points.len() - 1);
-        let piece = |last: usize| {
-            let ([z0, d0], [z1, d1]) = (self.points[last - 1], self.points[last]);
-            (0.5 * (z0 + z1), (d1 - d0) / (z1 - z0))
-        };
-        let (middle, slope) = piece(last);
+        let (middle, slope) = self.piece(last);
         let beside = if z < middle { last - 1 } else { last + 1 };
         let mut smooth = slope;
         if (1..self.points.len()).contains(&beside) {
-            let (other, turned) = piece(beside);
+            let (other, turned) = self.piece(beside);
             smooth += (turned - slope) * (z - middle) / (other - middle);
         }
         let [z0, d0] = self.points[last - 1];
         [d0 + slope * (z - z0), smooth]
+    }
+
+    /// Middle (m) and slope of the piece that ends at the point `last`.
+    fn piece(&self, last: usize) -> (f64, f64) {
+        let ([z0, d0], [z1, d1]) = (self.points[last - 1], self.points[last]);
+        (0.5 * (z0 + z1), (d1 - d0) / (z1 - z0))
     }
 
     /// Least and largest closing over the face with the ends `ends`, m, up to `beyond` (sigma y, m) beside the pitch line.

@@ -7,6 +7,8 @@
 //! Segments know one displacement of the teeth each. The penetration of a sample near an edge is what a straight line between the
 //! middles of neighbouring segments closes there, less the gap; it shares out what the segment bears.
 
+use std::iter;
+
 use super::position::{EdgeLoad, LawAt, LawsAlong, PositionProblem};
 use gearmesh::contact::{Candidate, ContactLines, LocalContact, POINTS, PointLoads, Solution};
 use gearmesh::root::bracket;
@@ -66,28 +68,31 @@ impl PositionProblem {
             .zip(&self.contact.local)
             .enumerate())
         .map(|(i, (segment, law))| {
-            let laws = |positions: &[f64]| {
-                let at = |&position: &f64| {
-                    let profile = lines.profile_along(segment, position);
-                    let law = self.contact.law(segment, &profile, self.contact.lengths(i));
-                    LawAt { position, law }
-                };
-                positions.iter().map(at).collect()
-            };
             let mut along = LawsAlong::default();
             let moves = match self.contact.moves() {
                 true => MOVES_OVER_REACH * lines.setup.reach,
                 false => 0.0,
             };
             if law.has_edge(moves) {
-                along.edge = laws(&positions_near_edge(lines, segment));
+                along.edge = self.laws_along(lines, i, &positions_near_edge(lines, segment));
             }
             if law.has_relief(moves) {
-                along.relief = laws(&AT_RELIEF);
+                along.relief = self.laws_along(lines, i, &AT_RELIEF);
             }
             along
         });
         self.along = along.collect();
+    }
+
+    /// Laws of segment `i` on `lines` at `positions`, parts of its length from its middle.
+    fn laws_along(&self, lines: &ContactLines<'_>, i: usize, positions: &[f64]) -> Vec<LawAt> {
+        let segment = &self.contact.candidates[i];
+        let laws = positions.iter().map(|&position| {
+            let profile = lines.profile_along(segment, position);
+            let law = self.contact.law(segment, &profile, self.contact.lengths(i));
+            LawAt { position, law }
+        });
+        laws.collect()
     }
 
     /// Largest line load at a tip edge of each segment that bears in `solution`; `gap` are the gaps at the points of the segments
@@ -106,17 +111,15 @@ impl PositionProblem {
                 continue;
             }
             let segment = &self.contact.candidates[i];
-            let mut add = |(z, line_load): (f64, f64)| {
-                let gear = segment.profile.edge_gear();
-                let here = EdgeLoad { line_load, z, gear };
-                all[i] = EdgeLoad::larger(all[i], Some(here));
-            };
-            add((sample.z, sample.line_load));
-            for other in neighbours(&samples, number) {
-                let follows = are_neighbours(segment, &self.contact.candidates[other.segment]);
-                if follows && !other.reaches_edge() {
-                    add(sample.last_towards(other));
-                }
+            let gear = segment.profile.edge_gear();
+            let ends = neighbours(&samples, number)
+                .filter(|other| {
+                    are_neighbours(segment, &self.contact.candidates[other.segment])
+                        && !other.reaches_edge()
+                })
+                .map(|other| sample.last_towards(other));
+            for (z, line_load) in iter::once((sample.z, sample.line_load)).chain(ends) {
+                all[i] = EdgeLoad::larger(all[i], Some(EdgeLoad { line_load, z, gear }));
             }
         }
         all
@@ -137,7 +140,7 @@ impl PositionProblem {
                 .collect(),
             None => AT_POINTS.map(|at| (at, &self.contact.local[i])).to_vec(),
         };
-        let sample = |&(position, law): &(f64, &'a LocalContact)| {
+        let samples = laws.iter().map(|&(position, law)| {
             let along = position * (segment.z[1] - segment.z[0]);
             let slope = if position < 0.0 { below } else { above };
             let penetration = solution.closing[i] + along * slope - between_points(gap, position);
@@ -147,17 +150,20 @@ impl PositionProblem {
                 line_load: law.line_load(penetration).load,
                 law,
             }
-        };
-        let mut samples: Vec<_> = laws.iter().map(sample).collect();
-        let is_point = |number: &usize| AT_POINTS.contains(&laws[*number].0);
-        let points = (0..laws.len()).filter(is_point);
-        let sum: f64 = points.map(|number| samples[number].line_load).sum();
+        });
+        let mut samples: Vec<_> = samples.collect();
+        let at_points = laws.iter().zip(&samples);
+        let at_points = at_points.filter(|((position, _), _)| AT_POINTS.contains(position));
+        let sum: f64 = at_points.map(|(_, sample)| sample.line_load).sum();
         // The points share what the segment bears, or less: one in whose corner contact ends bears more than the line does there.
         let known = solution.force[i] / self.contact.local[i].length();
         if sum > known {
             samples.iter_mut().for_each(|s| s.line_load *= known / sum);
         }
-        if let Some(number) = (0..laws.len()).find(|number| !is_point(number)) {
+        let off_points = laws
+            .iter()
+            .position(|(position, _)| !AT_POINTS.contains(position));
+        if let Some(number) = off_points {
             let loads = neighbours(&samples, number).map(|sample| sample.line_load);
             let most = loads.fold(0.0, f64::max);
             samples[number].line_load = samples[number].line_load.min(most);
@@ -168,28 +174,23 @@ impl PositionProblem {
     /// Slopes over z (m/m) of what the segments close, from the middle of segment `i` to those of its neighbours below and above;
     /// where one is missing, that on the other side.
     fn closing_slopes(&self, i: usize, solution: &Solution) -> [f64; 2] {
-        let slope = |other: usize| {
+        let [below, above] = self.neighbours(i).map(|other| {
+            let other = other?;
             let [here, there] = [i, other].map(|i| self.contact.candidates[i].middle());
             let (law, next) = (&self.contact.local[i], &self.contact.local[other]);
             let line_load = solution.force[other] / (POINTS as f64 * next.length());
             let closing = solution.closing[other] + law.takes_up_more_than(next, line_load);
-            (closing - solution.closing[i]) / (there - here)
-        };
-        let [below, above] = self.neighbours(i).map(|other| other.map(slope));
+            Some((closing - solution.closing[i]) / (there - here))
+        });
         [below.or(above), above.or(below)].map(|slope| slope.unwrap_or(0.0))
     }
 
     /// Largest pressure (Pa) inside the flanks of each segment under `loads`; `edges` are the loads at their tip edges.
     pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
-        // Mean line load (N/m) of the loaded points inside the flanks by the law of the middle: what the line bears.
-        let inside = loads.iter().zip(&self.contact.local).map(|(loads, law)| {
-            let is_inside = |f: &&f64| **f != 0.0 && **f / law.length() <= law.load_at_edge();
-            let inside = || loads.forces.iter().filter(is_inside);
-            let points = inside().count();
-            (points > 0).then(|| inside().sum::<f64>() / points as f64 / law.length())
-        });
-        let inside: Vec<_> = inside.collect();
-        let largest = |i: usize| {
+        let inside: Vec<Option<f64>> = (loads.iter().zip(&self.contact.local))
+            .map(|(loads, law)| mean_inside(loads, law))
+            .collect();
+        let largest = (0..loads.len()).map(|i| {
             let law = &self.contact.local[i];
             let Some(line_load) = inside[i] else {
                 // At its middle the line lies nearer to the edge than where it bears.
@@ -204,8 +205,8 @@ impl PositionProblem {
                 (at.law).pressure_at_relief(self.line_load(&inside, i, at.position))
             });
             pressures.fold(middle, f64::max)
-        };
-        (0..loads.len()).map(largest).collect()
+        });
+        largest.collect()
     }
 
     /// Line load (N/m) at `position` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks.
@@ -222,17 +223,29 @@ impl PositionProblem {
     }
 
     fn neighbours(&self, i: usize) -> [Option<usize>; 2] {
-        let follows = |other: &usize| {
-            let other = self.contact.candidates.get(*other);
-            other.is_some_and(|other| are_neighbours(&self.contact.candidates[i], other))
-        };
-        [i.checked_sub(1), Some(i + 1)].map(|other| other.filter(follows))
+        let candidates = &self.contact.candidates;
+        [i.checked_sub(1), Some(i + 1)].map(|other| {
+            let other = other?;
+            are_neighbours(&candidates[i], candidates.get(other)?).then_some(other)
+        })
     }
 }
 
 fn neighbours<T>(items: &[T], number: usize) -> impl Iterator<Item = &T> {
     let before = number.checked_sub(1).and_then(|before| items.get(before));
     before.into_iter().chain(items.get(number + 1))
+}
+
+/// Mean line load (N/m) of the loaded points inside the flanks by the law of the middle: what the line bears.
+fn mean_inside(loads: &PointLoads, law: &LocalContact) -> Option<f64> {
+    let (mut points, mut sum) = (0, 0.0);
+    for force in loads.forces {
+        if force != 0.0 && force / law.length() <= law.load_at_edge() {
+            points += 1;
+            sum += force;
+        }
+    }
+    (points > 0).then(|| sum / f64::from(points) / law.length())
 }
 
 /// [`AT_POINTS`], and where on `segment` the contact line comes to a tip edge.
@@ -256,12 +269,12 @@ fn are_neighbours(a: &Candidate, b: &Candidate) -> bool {
 
 /// The cubic through `values` at [`AT_POINTS`], at the part `at` of a segment's length from its middle.
 fn between_points(values: &[f64; POINTS], at: f64) -> f64 {
-    let weight = |q: usize| {
+    let parts = (0..POINTS).map(|q| {
         let others = AT_POINTS.into_iter().enumerate().filter(|(r, _)| *r != q);
-        let part = others.map(|(_, point)| (at - point) / (AT_POINTS[q] - point));
-        part.product::<f64>()
-    };
-    (0..POINTS).map(|q| weight(q) * values[q]).sum()
+        let weight = others.map(|(_, point)| (at - point) / (AT_POINTS[q] - point));
+        weight.product::<f64>() * values[q]
+    });
+    parts.sum()
 }
 
 #[cfg(test)]

@@ -54,12 +54,12 @@ pub fn influence(
     let (numbers, reference) = (&lines.section.numbers, lines.setup.reference_length);
     let n = candidates.len();
     let c = (numbers.bodies).map(|body| 2.0 * body.plane_compliance / std::f64::consts::PI);
-    let piece = |c: &Candidate| Piece {
-        line: c.tooth_pair,
-        at: c.middle() / numbers.cos_beta_b,
-        length: c.length(numbers.cos_beta_b),
-    };
-    let pieces: Vec<Piece> = candidates.iter().map(piece).collect();
+    let pieces = candidates.iter().map(|candidate| Piece {
+        line: candidate.tooth_pair,
+        at: candidate.middle() / numbers.cos_beta_b,
+        length: candidate.length(numbers.cos_beta_b),
+    });
+    let pieces: Vec<Piece> = pieces.collect();
     let bent = lines.setup.settings.bent_teeth;
     let mut beside = bent.then(|| Beside::new(lines, candidates, seen, &pieces));
     let mut bulk = DMatrix::zeros(n, n);
@@ -110,8 +110,11 @@ fn divide(
     let n = pieces.len();
     let lengths = &influence.lengths;
     // c ln(L' / L) of both gears.
-    let of_gear = |g: usize, i: usize| c[g] * growth(lengths[g][i], reference);
-    let taken: Vec<f64> = (0..n).map(|i| of_gear(0, i) + of_gear(1, i)).collect();
+    let taken = (0..n).map(|i| {
+        let of_gears = (0..2).map(|g| c[g] * growth(lengths[g][i], reference));
+        of_gears.sum::<f64>()
+    });
+    let taken: Vec<f64> = taken.collect();
     let mut share = vec![0.0; n];
     // S' D S.
     let mut smooth = DMatrix::zeros(n, n);

@@ -89,10 +89,6 @@ impl<'a> Beside<'a> {
         pieces: &'a [Piece],
     ) -> Beside<'a> {
         let step = Motion::still(0, lines.setup).step;
-        let middle = |segment: &Candidate| {
-            let [low, high] = lines.room(segment);
-            0.0f64.min(high - step).max(low + step)
-        };
         let numbers = &lines.section.numbers;
         let mut strips = vec![];
         let mut end = 0;
@@ -102,7 +98,10 @@ impl<'a> Beside<'a> {
             for segments in neighbours.flat_map(|segments| segments.chunks(OF_STRIP)) {
                 let members = end..end + segments.len();
                 end = members.end;
-                let middle = mean(segments.iter().map(middle));
+                let middle = mean(segments.iter().map(|segment| {
+                    let [low, high] = lines.room(segment);
+                    0.0f64.min(high - step).max(low + step)
+                }));
                 let whole = joined(&seen[members.start], &seen[members.end - 1]);
                 strips.push(Strip {
                     line,
@@ -148,7 +147,7 @@ impl<'a> Beside<'a> {
             let (side, strip) = ((row - n) / count - 1, (row - n) % count);
             (side, strip, n + side * lines + self.strips[strip].line)
         };
-        let wanted = |row: usize| {
+        let work = (of.model).work(&segments, [&rows, &columns], &|row| {
             if row < n {
                 0..row + 1
             } else if row < n + count {
@@ -157,8 +156,7 @@ impl<'a> Beside<'a> {
                 let (.., column) = of_side(row);
                 column..column + 1
             }
-        };
-        let work = of.model.work(&segments, [&rows, &columns], &wanted)?;
+        })?;
         self.tilt += work.view((n, 0), (count, n));
         // The reference length stays: where the model of a place beside has another, the bulk takes the difference.
         let lengths = of.model.reference_lengths(&segments[n..]);
@@ -179,14 +177,14 @@ impl<'a> Beside<'a> {
         let mut own = DMatrix::zeros(self.strips.len(), pieces.len());
         let mut bend = DMatrix::zeros(self.strips.len(), 1);
         for (k, strip) in self.strips.iter().enumerate() {
-            let on_line = || {
-                let strips = self.strips.iter().filter(|other| other.line == strip.line);
-                strips.flat_map(|strip| strip.members.clone())
-            };
+            let on_line = self.strips.iter().filter(|other| other.line == strip.line);
+            let on_line = on_line.flat_map(|strip| strip.members.clone());
             // What the strip sees of its line, which bears its own length in newton.
             let of_line = |of: &dyn Fn(usize, usize) -> f64| {
-                let sum = |i: usize| on_line().map(|j| of(i, j) * pieces[j].length).sum::<f64>();
-                mean(strip.members.clone().map(sum))
+                mean((strip.members.clone()).map(|i| {
+                    let seen = on_line.clone().map(|j| of(i, j) * pieces[j].length);
+                    seen.sum::<f64>()
+                }))
             };
             let here = of_line(&|i, j| bulk[(i, j)]);
             let tilts = of_line(&|i, j| motion.tilt[(i, j)] + motion.tilt[(j, i)]);
@@ -215,31 +213,38 @@ impl<'a> Beside<'a> {
 
     /// Rows of segments from those of strips: linear along each contact line.
     fn spread(&self, of_strips: &DMatrix<f64>) -> DMatrix<f64> {
-        let is_on = |line: usize, k: usize| self.strips.get(k).is_some_and(|s| s.line == line);
-        let between = |k: usize, at: f64| {
-            let strip = &self.strips[k];
-            let [before, after] = [k.wrapping_sub(1), k + 1].map(|k| is_on(strip.line, k));
-            let first = if before && (at < strip.at || !after) {
-                k - 1
-            } else {
-                k
-            };
-            let second = if before || after { first + 1 } else { first };
-            let [a, b] = [first, second].map(|k| self.strips[k].at);
-            let share = if first < second {
-                (at - a) / (b - a)
-            } else {
-                0.0
-            };
-            ([first, second], share)
-        };
         let strips = self.strips.iter().enumerate();
         let places = strips.flat_map(|(k, strip)| strip.members.clone().map(move |i| (k, i)));
-        let places: Vec<_> = places.map(|(k, i)| between(k, self.pieces[i].at)).collect();
+        let places: Vec<_> = places
+            .map(|(k, i)| self.between(k, self.pieces[i].at))
+            .collect();
         DMatrix::from_fn(self.pieces.len(), of_strips.ncols(), |i, column| {
             let ([first, second], share) = places[i];
             (1.0 - share) * of_strips[(first, column)] + share * of_strips[(second, column)]
         })
+    }
+
+    /// The strips of one contact line, `k` one of them, between which `at` (m along it) lies or next to which it does, and the share of
+    /// the second.
+    fn between(&self, k: usize, at: f64) -> ([usize; 2], f64) {
+        let strip = &self.strips[k];
+        let [before, after] = [k.wrapping_sub(1), k + 1].map(|k| {
+            let other = self.strips.get(k);
+            other.is_some_and(|other| other.line == strip.line)
+        });
+        let first = if before && (at < strip.at || !after) {
+            k - 1
+        } else {
+            k
+        };
+        let second = if before || after { first + 1 } else { first };
+        let [a, b] = [first, second].map(|k| self.strips[k].at);
+        let share = if first < second {
+            (at - a) / (b - a)
+        } else {
+            0.0
+        };
+        ([first, second], share)
     }
 }
 

@@ -147,7 +147,7 @@ pub struct Resultant {
 
 impl From<&ContactResult> for Resultant {
     fn from(result: &ContactResult) -> Self {
-        let segment = |s: &SegmentLoad| [s.force, s.slopes[0], s.slopes[1]];
+        let segments = result.segments.iter();
         Resultant {
             approach: result.approach,
             misalignment: result.misalignment,
@@ -157,7 +157,9 @@ impl From<&ContactResult> for Resultant {
             iterations: result.iterations,
             tangent: result.tangent,
             excess: result.excess,
-            segments: result.segments.iter().map(segment).collect(),
+            segments: segments
+                .map(|s| [s.force, s.slopes[0], s.slopes[1]])
+                .collect(),
         }
     }
 }
@@ -179,17 +181,18 @@ impl PositionProblem {
 
     /// Approach at which the first segment touches, m: the no-load transmission error.
     pub fn no_load_approach(&self, misalignment: f64) -> f64 {
-        // Rounded so that it closes no gap.
-        let touch = |gap: f64, arm: f64| match gap / arm {
-            approach if arm * approach > gap => approach.next_down(),
-            approach => approach,
-        };
         let gaps = self
             .contact
             .gaps(misalignment)
             .into_iter()
             .zip(&self.contact.arm);
-        let touches = gaps.flat_map(|(gaps, arm)| gaps.map(|gap| touch(gap, *arm)));
+        let touches = gaps.flat_map(|(gaps, arm)| {
+            gaps.map(|gap| match gap / arm {
+                // Rounded so that it closes no gap.
+                approach if arm * approach > gap => approach.next_down(),
+                approach => approach,
+            })
+        });
         touches.fold(f64::INFINITY, f64::min)
     }
 
@@ -308,11 +311,11 @@ impl PositionProblem {
                 if rise.is_finite() { rise } else { 0.0 }
             }
         };
-        let force = |[force, by_approach, by_misalignment]: &[f64; 3]| {
+        let segments = warm.segments.iter();
+        let forces = segments.map(|[force, by_approach, by_misalignment]| {
             (force + by_approach * rise + by_misalignment * tilt).max(0.0)
-        };
-        let forces = warm.segments.iter().map(force).collect();
-        (forces, warm.approach + rise)
+        });
+        (forces.collect(), warm.approach + rise)
     }
 
     /// Approach (m) under the load of `result`, a solution at `misalignment` (rad), if contact stayed where the undeformed flanks come
@@ -356,39 +359,35 @@ impl PositionProblem {
             seen: self.seen.clone(),
             along: vec![],
         };
-        let law = |i: usize, law: &LocalContact| {
-            let profile = law.profile().tilted(placed.tilts[i]);
-            self.contact.law(
-                &self.contact.candidates[i],
-                &profile,
-                self.contact.lengths(i),
-            )
-        };
         for (i, candidate) in moved.contact.candidates.iter_mut().enumerate() {
             let by = placed.places[i];
             if solution.force[i] > 0.0 {
-                let roll = |g: usize| self.contact.numbers.moved_roll(g, candidate.roll[g], by);
-                candidate.roll = [0, 1].map(roll);
-                moved.seen[i] = self.contact.numbers.moved(&self.seen[i], by);
-                moved.contact.local[i] = law(i, &self.contact.local[i]);
+                let numbers = &self.contact.numbers;
+                candidate.roll = [0, 1].map(|g| numbers.moved_roll(g, candidate.roll[g], by));
+                moved.seen[i] = numbers.moved(&self.seen[i], by);
+                moved.contact.local[i] = self.tilted(i, &self.contact.local[i], placed.tilts[i]);
                 candidate.profile = *moved.contact.local[i].profile();
             }
         }
         let along = self.along.iter().enumerate().map(|(i, along)| {
-            let laws = |laws: &[LawAt]| {
-                let there = laws.iter().map(|at| LawAt {
+            let [edge, relief] = [&along.edge, &along.relief].map(|laws| {
+                let tilted = laws.iter().map(|at| LawAt {
                     position: at.position,
-                    law: law(i, &at.law),
+                    law: self.tilted(i, &at.law, placed.tilts[i]),
                 });
-                there.collect()
-            };
-            LawsAlong {
-                edge: laws(&along.edge),
-                relief: laws(&along.relief),
-            }
+                tilted.collect()
+            });
+            LawsAlong { edge, relief }
         });
         moved.along = along.collect();
         Some(moved)
+    }
+
+    /// `law` of segment `i` where its flanks have tilted by `tilt`, rad.
+    fn tilted(&self, i: usize, law: &LocalContact, tilt: f64) -> LocalContact {
+        let profile = law.profile().tilted(tilt);
+        let segment = &self.contact.candidates[i];
+        self.contact.law(segment, &profile, self.contact.lengths(i))
     }
 
     fn result(&self, solution: Solution, misalignment: f64) -> ContactResult {
@@ -461,16 +460,16 @@ impl PositionProblem {
                 gap: (least - solution.closing[i]).max(0.0),
             });
         }
-        let torque_force = |g: usize| {
+        let torque_forces = [0, 1].map(|g| {
             let bearing = self.contact.candidates.iter().zip(&solution.force);
             let parts = bearing.map(|(segment, force)| segment.arms[g] * force);
             self.contact.numbers.cos_beta_b * parts.sum::<f64>()
-        };
+        });
         ContactResult {
             approach: solution.approach,
             misalignment,
             loa_force,
-            torque_forces: [0, 1].map(torque_force),
+            torque_forces,
             moment,
             contact_z: self.contact.numbers.z_ref + over_force(moment),
             load_share,

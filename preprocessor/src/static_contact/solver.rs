@@ -442,8 +442,8 @@ impl ContactSolver {
     pub fn stations(&self, flank: Flank) -> Result<Vec<[Segment; 2]>, ContactError> {
         let lines = self.lines(flank, 0.0, 0.0)?.clamped();
         let stations = 0..self.setup.settings.stations;
-        let seen = |station| lines.seen_by_gears(0, lines.station(station));
-        Ok(stations.map(seen).collect())
+        let seen = stations.map(|station| lines.seen_by_gears(0, lines.station(station)));
+        Ok(seen.collect())
     }
 
     /// Influence of whole segments of `flank` at a place of [`CondensedFlank::grid`]. Nodes do not depend on each other.

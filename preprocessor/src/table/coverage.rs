@@ -32,7 +32,7 @@ pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> 
         0.0 => x / largest,
         _ => (x / largest * grading.sinh()).asinh() / grading,
     });
-    let node = |i: usize| {
+    let nodes = (0..n).map(|i| {
         let t = a + (b - a) * i as f64 / (n - 1) as f64;
         match i {
             0 => low,
@@ -42,8 +42,8 @@ pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> 
             _ if grading == 0.0 => largest * t,
             _ => largest * ((t * grading).sinh() / grading.sinh()),
         }
-    };
-    (0..n).map(node).collect()
+    });
+    nodes.collect()
 }
 
 /// Nodes over `range`, graded so that the closest are at most `apart` from each other, or by 12 at most: then the largest
@@ -300,13 +300,13 @@ pub(super) fn measure_at(
         let (p, c) = (held.mesh_position, held.center_distance_offset);
         let failed = |m: f64| move |error| solve_error(flank, [c, m, p], error);
         let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
-        let error = |&[torque, m]: &[f64; 2]| {
+        let errors = held.loads.iter().map(|&[torque, m]| {
             let exact = position.solve(Prescribed::Torque(torque), m);
             let exact = exact.map_err(failed(m))?;
             let found = found(&Query::from([exact.approach, c, m, p])).map_err(failed(m))?;
             Ok(nominal.errors(&found, exact.loa_force, exact.moment))
-        };
-        held.loads.iter().map(error).collect()
+        });
+        errors.collect()
     })?;
     Ok(InterpolationError::of(&errors))
 }

@@ -31,6 +31,14 @@ struct Row {
     values: [f64; 6],
 }
 
+impl Row {
+    /// Centre distance offset, misalignment, mesh position and torque, by which rows are sorted.
+    fn key(&self) -> [f64; 4] {
+        let [t, p, c, m, ..] = self.values;
+        [c, m, p, t]
+    }
+}
+
 /// What an import gives.
 #[derive(Debug)]
 pub struct Imported {
@@ -116,13 +124,12 @@ impl Imported {
 /// does not rise with the torque: each with line and values.
 pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, TableError> {
     let mut rows = parse(text)?;
-    let axis = |k: usize| {
+    let [torques, positions, offsets, misalignments] = [0, 1, 2, 3].map(|k| {
         let mut values: Vec<f64> = rows.iter().map(|r| r.values[k]).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
         values
-    };
-    let (torques, positions, offsets, misalignments) = (axis(0), axis(1), axis(2), axis(3));
+    });
     let loads = torques.len() - usize::from(torques[0] == 0.0);
     if torques[0] < 0.0 {
         return refused(format!(
@@ -136,12 +143,8 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         ));
     }
     check_on_face(&rows, geometry)?;
-    let key = |row: &Row| {
-        let [t, p, c, m, ..] = row.values;
-        [c, m, p, t]
-    };
-    rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
-    if let Some([first, twice]) = neighbours(&rows, |a, b| key(a) == key(b)) {
+    rows.sort_by(|a, b| a.key().partial_cmp(&b.key()).unwrap_or(Ordering::Equal));
+    if let Some([first, twice]) = neighbours(&rows, |a, b| a.key() == b.key()) {
         return refused(format!(
             "line {}: the point {} stands in line {} already; leave one of them out",
             twice.line,
@@ -156,7 +159,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     for i in 0..total {
         let (t, p) = (torques[i % nt], positions[i / nt % np]);
         let (m, c) = (misalignments[i / nt / np % nm], offsets[i / nt / np / nm]);
-        if rows.get(i).map(key) != Some([c, m, p, t]) {
+        if rows.get(i).map(Row::key) != Some([c, m, p, t]) {
             return refused(format!(
                 "no sample at {}; the grid must be complete",
                 describe([t, p, c, m, 0.0, 0.0])
@@ -166,14 +169,12 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     let lines = rows.chunks(nt).map(|line| Line::new(line, geometry));
     let lines = lines.collect::<Result<Vec<_>, _>>()?;
     // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
-    let mean = |k: usize| {
-        lines
-            .iter()
-            .map(|l| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]))
-            .sum::<f64>()
-            / lines.len() as f64
-    };
-    let mut fractions: Vec<f64> = (1..=loads).map(mean).collect();
+    let fractions = (1..=loads).map(|k| {
+        let parts =
+            (lines.iter()).map(|l| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]));
+        parts.sum::<f64>() / lines.len() as f64
+    });
+    let mut fractions: Vec<f64> = fractions.collect();
     fractions[loads - 1] = 1.0;
     // Springs that start with a kink (linear ones) must not ring: the spline, which starts without,
     // gets two more nodes below the smallest load to round the kink off within.
@@ -263,19 +264,17 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
 
 fn parse(text: &str) -> Result<Vec<Row>, TableError> {
     let mut reader = csv_reader(text);
-    let unreadable = |error: csv::Error| TableError::Failed(format!("samples: {error}"));
     let header = reader.headers().map_err(unreadable)?.clone();
-    let is_known_once = |name: &&str| {
-        COLUMNS.contains(name) && header.iter().filter(|column| column == name).count() == 1
-    };
-    if let Some(name) = header.iter().chain(COLUMNS).find(|n| !is_known_once(n)) {
+    if let Some(name) = header.iter().chain(COLUMNS).find(|name| {
+        !COLUMNS.contains(name) || header.iter().filter(|column| column == name).count() != 1
+    }) {
         return refused(format!(
             "column `{}`: the header must have each of {} once, and no others",
             shown(name),
             COLUMNS.join(",")
         ));
     }
-    let row = |record: Result<csv::StringRecord, csv::Error>| {
+    let rows = reader.records().map(|record| {
         let record = record.map_err(unreadable)?;
         let line = record.position().map_or(0, csv::Position::line);
         let mut values = [0.0; 6];
@@ -291,12 +290,16 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
             values[known.expect("checked above")] = value;
         }
         Ok(Row { line, values })
-    };
-    let rows = reader.records().map(row).collect::<Result<Vec<_>, _>>()?;
+    });
+    let rows = rows.collect::<Result<Vec<_>, _>>()?;
     match rows.is_empty() {
         true => refused("no rows after the header; give one for every point of the grid".into()),
         false => Ok(rows),
     }
+}
+
+fn unreadable(error: csv::Error) -> TableError {
+    TableError::Failed(format!("samples: {error}"))
 }
 
 /// Samples over the load at one point of the other coordinates, from the no-load approach on.

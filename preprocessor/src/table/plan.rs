@@ -76,12 +76,6 @@ pub fn table_within(
             &held,
         )
     };
-    // The largest of a few hundred errors is not the largest there is: leave it a third.
-    let excess = |e: &InterpolationError| {
-        let rms = e.force_rms.max(e.moment_rms / MOMENT_TO_FORCE);
-        let largest = e.force_maximum.max(e.moment_maximum / MOMENT_TO_FORCE);
-        (rms / error).max(1.5 * largest / (LARGEST_TO_RMS * error))
-    };
     let mut aim = 0.8 * error;
     let mut best: Option<(f64, FlankGrid)> = None;
     for round in 0..ROUNDS {
@@ -100,7 +94,7 @@ pub fn table_within(
         let found = match measured(&grid, TRIAL_POINTS, 0x2545_F491_4F6C_DD1D + round) {
             // What each axis bears alone they may not bear together.
             Err(TableError::TooCoarse { .. }) => f64::INFINITY,
-            found => excess(&found?),
+            found => over_bound(&found?, error),
         };
         if best.as_ref().is_none_or(|b| found < b.0) {
             best = Some((found, grid));
@@ -117,6 +111,14 @@ pub fn table_within(
     Ok((grid, found))
 }
 
+/// `error` over what a table may have whose rms error may be `bound`.
+fn over_bound(error: &InterpolationError, bound: f64) -> f64 {
+    let rms = error.force_rms.max(error.moment_rms / MOMENT_TO_FORCE);
+    let largest = (error.force_maximum).max(error.moment_maximum / MOMENT_TO_FORCE);
+    // The largest of a few hundred errors is not the largest there is: leave it a third.
+    (rms / bound).max(1.5 * largest / (LARGEST_TO_RMS * bound))
+}
+
 #[derive(Default)]
 struct Choice {
     nodes: Vec<f64>,
@@ -125,28 +127,34 @@ struct Choice {
     largest: f64,
 }
 
+impl Choice {
+    /// What `then` takes off the error per factor of grid size.
+    fn gain(&self, then: &Choice) -> f64 {
+        let cost = (then.nodes.len() as f64 / self.nodes.len() as f64).ln();
+        (self.excess() - then.excess()) / cost
+    }
+
+    fn excess(&self) -> f64 {
+        self.square + (self.largest / LARGEST_TO_RMS).powi(2)
+    }
+}
+
 /// Nodes out of `choices` (per axis, ascending in number of nodes) whose errors along the axes add up (in the mean square) to
 /// `error` of the nominal force at most, on the smallest grid; the finest one if none does.
 fn cheapest(choices: &[Vec<Choice>; 4], error: f64) -> Axes {
     let mut taken = [0_usize; 4];
     loop {
-        let now = || choices.iter().zip(taken).map(|(choices, i)| &choices[i]);
-        let square: f64 = now().map(|c| c.square).sum();
-        let largest = now().map(|c| c.largest).fold(0.0, f64::max);
+        let now = choices.iter().zip(taken).map(|(choices, i)| &choices[i]);
+        let square: f64 = now.clone().map(|c| c.square).sum();
+        let largest = now.map(|c| c.largest).fold(0.0, f64::max);
         if square <= error * error && largest <= 0.6 * LARGEST_TO_RMS * error {
             break;
         }
-        // The step that takes most off the error per factor of grid size.
-        let excess = |c: &Choice| c.square + (c.largest / LARGEST_TO_RMS).powi(2);
-        let gain = |now: &Choice, then: &Choice| {
-            let cost = (then.nodes.len() as f64 / now.nodes.len() as f64).ln();
-            (excess(now) - excess(then)) / cost
-        };
         let step = (choices.iter().enumerate())
             .flat_map(|(axis, choices)| (taken[axis] + 1..choices.len()).map(move |to| (axis, to)))
             .map(|(axis, to)| {
                 let choices = &choices[axis];
-                (gain(&choices[taken[axis]], &choices[to]), axis, to)
+                (choices[taken[axis]].gain(&choices[to]), axis, to)
             })
             .filter(|step| step.0 > 0.0)
             .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -158,13 +166,6 @@ fn cheapest(choices: &[Vec<Choice>; 4], error: f64) -> Axes {
 
 /// Fine nodes along `axis`, which all others are chosen from; `None`: no such axis.
 fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
-    let even = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
-        let mut nodes: Vec<f64> = (0..n)
-            .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)
-            .collect();
-        nodes[n - 1] = high;
-        nodes
-    };
     let mut nodes = match axis {
         Axis::Displacement => return Some(displacement_nodes(48, 1.8)),
         Axis::MeshPosition => return Some(mesh_positions(128)),
@@ -185,6 +186,14 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
         Axis::Misalignment => coverage.with_outside(nodes),
         _ => nodes,
     })
+}
+
+fn even([low, high]: [f64; 2], n: usize) -> Vec<f64> {
+    let mut nodes: Vec<f64> = (0..n)
+        .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)
+        .collect();
+    nodes[n - 1] = high;
+    nodes
 }
 
 /// Indices to begin with among the fine `nodes`, which cover the range of the table with those `inside`, and the most to be chosen.
@@ -323,13 +332,16 @@ impl Lines {
             && (0..n).all(|i| (nodes[i] + nodes[n - 1 - i]).abs() <= 1e-12 * nodes[n - 1].abs());
         // Where the fine nodes lie close, each stands for less of the axis.
         let [first, last] = [self.inside.start, self.inside.end - 1];
-        let at = |i: usize| nodes[i.clamp(first, last)];
         let range = nodes[last] - nodes[first];
-        let share = |i: usize| 0.5 * (at(i + 1) - at(i.saturating_sub(1))) / range;
+        let shares = (0..n).map(|i| {
+            let neighbours = [i + 1, i.saturating_sub(1)].map(|i| nodes[i.clamp(first, last)]);
+            0.5 * (neighbours[0] - neighbours[1]) / range
+        });
+        let shares: Vec<f64> = shares.collect();
         let mut choices = Vec::new();
         loop {
             let (square, largest) = self.errors(&chosen)?;
-            let parts: Vec<f64> = (0..n).map(|i| square[i] * share(i)).collect();
+            let parts: Vec<f64> = (0..n).map(|i| square[i] * shares[i]).collect();
             choices.push(Choice {
                 nodes: chosen.iter().map(|&i| nodes[i]).collect(),
                 square: parts.iter().sum(),

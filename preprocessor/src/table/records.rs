@@ -121,14 +121,14 @@ impl RootStressSweep<'_> {
             let (p, c) = (held.mesh_position, held.center_distance_offset);
             let column = Column::new(self.solver, self.flank, [c, p])?;
             let roots = PositionRoots::new(&column.problem, self.models);
-            let error = |&[torque, m]: &[f64; 2]| {
+            let errors = held.loads.iter().map(|&[torque, m]| {
                 let force = torque / rb;
                 let exact =
                     column.solve([&[m], &[force]], &|_| (), |result| roots.largest(result))?[0];
                 let found = stress([force, c, m, p]);
                 Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
-            };
-            held.loads.iter().map(error).collect()
+            });
+            errors.collect()
         })?;
         Ok(RootStressError::of(&errors))
     }

@@ -72,7 +72,8 @@ pub fn summary(file: &TableFile) -> Vec<(String, String)> {
 
 /// The strongest order of each body under loads on the drive flank.
 fn bodies_in_words(bodies: &BodyOrders) -> String {
-    let of_gear = |(gear, orders): (usize, &Vec<BodyOrder>)| {
+    let gears = bodies.drive.iter().enumerate();
+    let gears = gears.filter_map(|(gear, orders)| {
         let size = |part: &BodyOrder| part.approach_m_per_n[0].hypot(part.approach_m_per_n[1]);
         let strongest = orders.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
         Some(format!(
@@ -82,9 +83,8 @@ fn bodies_in_words(bodies: &BodyOrders) -> String {
             1e9 * size(strongest),
             orders.len()
         ))
-    };
-    let gears = bodies.drive.iter().enumerate();
-    gears.filter_map(of_gear).collect::<Vec<_>>().join("; ")
+    });
+    gears.collect::<Vec<_>>().join("; ")
 }
 
 /// Nodes, flanks and measured error in one line.

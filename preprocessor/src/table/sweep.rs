@@ -179,13 +179,14 @@ pub(super) fn sweep_columns<S: Copy + Send>(
     column: impl Fn(f64, f64, &dyn Fn(usize)) -> Result<Vec<S>, TableError> + Sync,
 ) -> Result<Vec<S>, TableError> {
     let done = AtomicUsize::new(0);
-    let report = |count: usize| {
-        progress(done.fetch_add(count, Ordering::Relaxed) + count, total);
-    };
     let np = positions.len();
     let columns: Vec<Vec<S>> = (0..offsets.len() * np)
         .into_par_iter()
-        .map(|k| column(offsets[k / np], positions[k % np], &report))
+        .map(|k| {
+            column(offsets[k / np], positions[k % np], &|count| {
+                progress(done.fetch_add(count, Ordering::Relaxed) + count, total);
+            })
+        })
         .collect::<Result<_, _>>()?;
     let in_order = columns.chunks(np).flat_map(|row| {
         (0..row[0].len()).flat_map(move |k| row.iter().map(move |column| column[k]))

@@ -92,7 +92,8 @@ impl TeethSweep<'_> {
         let (drive, coupling_m_per_n) = sampled(drive, Flank::Drive)?;
         let coast = coast.map(|pair| sampled(pair, Flank::Coast)).transpose()?;
         let (coast, coast_coupling_m_per_n) = coast.unzip();
-        let errors = |gears: &[_; 2]| gears.each_ref().map(GearTeethRecord::from);
+        let [drive_errors, coast_errors] =
+            [&teeth.drive, &teeth.coast].map(|gears| gears.each_ref().map(GearTeethRecord::from));
         let mut record = TeethRecord {
             axes: axes.clone(),
             first_place: first,
@@ -102,8 +103,8 @@ impl TeethSweep<'_> {
             coast,
             coast_coupling_m_per_n,
             friction: self.friction.then(|| solver.friction()),
-            drive_errors: errors(&teeth.drive),
-            coast_errors: errors(&teeth.coast),
+            drive_errors,
+            coast_errors,
             error: InterpolationError::default(),
         };
         let mut error = self.measure(&record, Flank::Drive, points)?;
@@ -133,12 +134,12 @@ impl TeethSweep<'_> {
         let nominal = Nominal::new(geometry, self.coverage);
         let mut random = Random::new(SEED);
         let turn = f64::from(geometry.gears[0].teeth) * f64::from(geometry.gears[1].teeth);
-        let mut point = || {
+        let points = (0..points).map(|_| {
             let query = self.coverage.draw_query(&mut random, turn);
             (self.coverage.maximum_torque * random.next(), query)
-        };
-        let points: Vec<(f64, Query)> = (0..points).map(|_| point()).collect();
-        let error = |(torque, mut q): (f64, Query)| {
+        });
+        let points: Vec<(f64, Query)> = points.collect();
+        let errors = points.into_par_iter().map(|(torque, mut q)| {
             q.delta = approach(&level, &q, torque / rb);
             let found = level.evaluate(&q, [0; 2], false);
             let at @ [_, c, m, p] = q.coordinates();
@@ -146,8 +147,7 @@ impl TeethSweep<'_> {
                 .potential(at, [0; 2], &mut Warm::default())
                 .map_err(|error| solve_error(flank, [c, m, p], error))?;
             Ok(nominal.errors(&found.gradient, exact.gradient[0], exact.gradient[2]))
-        };
-        let errors = points.into_par_iter().map(error);
+        });
         let errors = errors.collect::<Result<Vec<_>, TableError>>()?;
         Ok(InterpolationError::of(&errors))
     }
@@ -246,26 +246,24 @@ impl Sums {
             products += sums.products.fixed_rows::<2>(1) - both * sums.products[0] / near;
         }
         let least = LEAST_SQUARES * nodes.iter().map(|sums| sums.squares[(0, 0)]).sum::<f64>();
-        let alone = |k: usize| {
+        let alone = [0, 1].map(|k| {
             let square = squares[(k, k)];
             if square > least {
                 (products[k] / square).max(0.0)
             } else {
                 0.0
             }
-        };
+        });
         let both = squares.cholesky().map(|squares| squares.solve(&products));
         let both = both.filter(|both| both.min() >= 0.0 && squares.determinant() > least * least);
         let choices = [
             both.unwrap_or_default(),
-            Vector2::new(0.0, alone(1)),
-            Vector2::new(alone(0), 0.0),
+            Vector2::new(0.0, alone[1]),
+            Vector2::new(alone[0], 0.0),
         ];
-        let left = |c: &Vector2<f64>| c.dot(&(squares * c)) - 2.0 * c.dot(&products);
-        let best = choices
-            .into_iter()
-            .min_by(|a, b| left(a).total_cmp(&left(b)));
-        best.unwrap_or_default().into()
+        let left = choices.map(|c| (c.dot(&(squares * c)) - 2.0 * c.dot(&products), c));
+        let best = left.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, choice)| choice).unwrap_or_default().into()
     }
 
     /// What a force takes of the approach of neighbours, m/N, where it takes `far` beyond them.
@@ -286,13 +284,13 @@ impl Together {
         let whole = solver.position(flank, tau, 0.0)?;
         let mut pairs: Vec<i32> = whole.candidates().iter().map(|c| c.tooth_pair).collect();
         pairs.dedup();
-        let alone = |k| -> Result<_, ContactError> {
+        let alone = pairs.into_iter().map(|k| {
             let problem = solver.tooth_pair(flank, tau + f64::from(k), 0.0)?;
-            Ok((k, problem))
-        };
+            Ok::<_, ContactError>((k, problem))
+        });
         Ok(Together {
             base_radius: solver.geometry().gears[0].base_radius(),
-            alone: pairs.into_iter().map(alone).collect::<Result<_, _>>()?,
+            alone: alone.collect::<Result<_, _>>()?,
             whole,
         })
     }
@@ -300,8 +298,10 @@ impl Together {
     /// Adds to `sums` what each tooth pair lacks of its approach where all carry `torque`.
     fn add(&self, torque: f64, misalignment: f64, sums: &mut Sums) -> Result<(), ContactError> {
         let whole = self.whole.solve_torque(torque, misalignment, None)?;
-        let force = |(k, share): &(i32, f64)| (*k, share * whole.loa_force);
-        let forces: Vec<(i32, f64)> = whole.load_share.iter().map(force).collect();
+        let shares = whole.load_share.iter();
+        let forces: Vec<(i32, f64)> = shares
+            .map(|(k, share)| (*k, share * whole.loa_force))
+            .collect();
         for (k, force) in &forces {
             let mut others = SVector::<f64, 3>::zeros();
             for (other, force) in &forces {

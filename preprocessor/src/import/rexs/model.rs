@@ -243,14 +243,16 @@ fn component(node: roxmltree::Node) -> Component {
 /// One value as text, or the numbers of an array.
 fn attribute(node: roxmltree::Node) -> Attribute {
     let array = node.children().find(|c| c.has_tag_name("array"));
-    let numbers = |array: roxmltree::Node| {
-        let cells = array.children().filter(roxmltree::Node::is_element);
-        cells.map(|cell| text(cell).into()).collect()
-    };
     Attribute {
         id: given(node, "id"),
         unit: given(node, "unit"),
-        value: array.map_or_else(|| text(node).into(), |a| Value::Array(numbers(a))),
+        value: match array {
+            Some(array) => {
+                let cells = array.children().filter(roxmltree::Node::is_element);
+                Value::Array(cells.map(|cell| text(cell).into()).collect())
+            }
+            None => text(node).into(),
+        },
         is_taken: Cell::new(false),
     }
 }
@@ -268,21 +270,21 @@ fn relation(node: roxmltree::Node) -> Relation {
     }
 }
 
+fn is_model(name: &str) -> bool {
+    let extension = Path::new(name).extension().map(|e| e.to_ascii_lowercase());
+    extension.is_some_and(|e| {
+        ["rexs", "rexsj", "xml", "json"]
+            .iter()
+            .any(|known| e == *known)
+    })
+}
+
 /// The one model in a zip archive (.rexsz).
 fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>> {
     let wrong = |error: zip::result::ZipError| RexsError(format!("a damaged archive: {error}"));
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(wrong)?;
-    let is_model = |name: &&str| {
-        let extension = Path::new(name).extension().map(|e| e.to_ascii_lowercase());
-        extension.is_some_and(|e| {
-            ["rexs", "rexsj", "xml", "json"]
-                .iter()
-                .any(|known| e == *known)
-        })
-    };
-    let models: Vec<String> = (archive.file_names().filter(is_model))
-        .map(str::to_owned)
-        .collect();
+    let models = archive.file_names().filter(|name| is_model(name));
+    let models: Vec<String> = models.map(str::to_owned).collect();
     let [name] = &models[..] else {
         return refused(format!(
             "an archive with {} models ({}), and one is expected: a .rexs or .rexsj file",

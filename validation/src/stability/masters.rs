@@ -520,6 +520,30 @@ pub fn swing_kept(p: &Packed, bodies: &Bodies, way: Way, steps: usize) -> Result
     Ok(Some((0..course[0].1.len()).map(kept).fold(0.0, f64::max)))
 }
 
+/// Cells of [`swing_kept`], %, after 10 000 steps: of the exact motion, and of coupling that is told the master and that finds it.
+fn swings(p: &Packed, bodies: &Bodies) -> Result<String> {
+    const LENGTH: usize = 10_000;
+    let kept = |told: Told, master: Master, steps: [usize; 2]| -> Result<String> {
+        let way = Way {
+            told,
+            master,
+            theta: 0.5,
+            steps,
+            derivatives: false,
+        };
+        let kept = swing_kept(p, bodies, way, LENGTH)?;
+        Ok(kept.map_or("unstable".into(), |kept| format!("{:.3}", 100.0 * kept)))
+    };
+    let columns = [
+        kept(Told::Sequential, Master::Sequential, [1, 1])?,
+        kept(Told::Sequential, Master::Sequential, ALIKE)?,
+        kept(Told::Automatic, Master::Sequential, ALIKE)?,
+        kept(Told::Parallel, Master::Parallel, ALIKE)?,
+        kept(Told::Automatic, Master::Parallel, ALIKE)?,
+    ];
+    Ok(columns.join(" | "))
+}
+
 /// Everything that hangs on the gears.
 pub fn systems(p: &Packed) -> Vec<Bodies> {
     vec![
@@ -652,6 +676,17 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         "master | theta | automatic, % | with input derivatives, %",
         &rows,
     )?;
+    let mut rows = vec![];
+    for share in [1.0, 0.1] {
+        let swinging = Packed::with_damping(TABLES[2], share)?;
+        for bodies in systems(&swinging).iter().filter(|b| b.train) {
+            let cells = swings(&swinging, bodies)?;
+            rows.push(format!("{} | {share} | {cells}", bodies.name));
+        }
+    }
+    let head = "system | damping of the mesh over the packed one | exact, % | known, sequential, % | automatic, sequential, % \
+        | known, parallel, % | automatic, parallel, %";
+    data.table("swings", head, &rows)?;
     let mut rows = vec![];
     for &count in steps {
         let [alike, turns] = [given(&p, count, ALIKE)?, given(&p, count, BY_TURNS)?];

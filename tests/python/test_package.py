@@ -296,10 +296,11 @@ def test_a_mesh_stores_and_loses_what_spring_and_damper_do(fmus):
         assert ledger.found()["energy over mesh"] == pytest.approx(1e-3 / mesh_energy(pair))
 
 
-def test_a_sweep_goes_on_where_it_was(tmp_path):
-    def squares(cases):
-        return [{"square": case["x_um"] ** 2} for case in cases]
+def squares(cases):
+    return [{"square": case["x_um"] ** 2} for case in cases]
 
+
+def test_a_sweep_goes_on_where_it_was(tmp_path):
     cases, done = grid(x_um=[1.0, 2.0, 3.0], torque_nm=[5.0, 6.0]), []
     with ThreadPoolExecutor(2) as pool:
         options = {"batch": 2, "progress": lambda *counts: done.append(counts)}

@@ -43,7 +43,7 @@ pub trait ToothCompliance: Send + Sync {
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel>;
 
     /// What each of `loads[0]`, the rows, works on the displacements by each of `loads[1]`, the columns, m N: with the matrix of
-    /// [`ToothCompliance::bulk`] of `segments` a' bulk b. Only the `wanted` columns of each row are asked for.
+    /// [`ToothCompliance::bulk`] of `segments` a' bulk b. `wanted` are the columns of each row that are asked for; zero for the others.
     ///
     /// # Errors
     /// Those of [`ToothCompliance::bulk`].
@@ -51,7 +51,7 @@ pub trait ToothCompliance: Send + Sync {
         &self,
         segments: &[Segment],
         loads: [&[Load]; 2],
-        wanted: &dyn Fn(usize) -> Range<usize>,
+        wanted: &[Range<usize>],
     ) -> Result<DMatrix<f64>, BeyondModel> {
         Ok(work(&self.bulk(segments)?, loads, wanted))
     }
@@ -102,11 +102,11 @@ pub trait ToothCompliance: Send + Sync {
 pub fn work(
     bulk: &DMatrix<f64>,
     [rows, columns]: [&[Load]; 2],
-    wanted: &dyn Fn(usize) -> Range<usize>,
+    wanted: &[Range<usize>],
 ) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(rows.len(), columns.len());
     for (r, row) in rows.iter().enumerate() {
-        for c in wanted(r) {
+        for c in wanted[r].clone() {
             let of_row = row.iter().flat_map(|(i, a)| {
                 let of_column = columns[c].iter();
                 of_column.map(move |(j, b)| a * b * bulk[(*i, *j)])

@@ -280,9 +280,9 @@ def main():
         cases = {"holes": cases["spur"] | dict(holes=dict(count=6, circle_mm=31.5, diameter_mm=3.6), strips=places)}
     if "pins" in chosen:
         # Under the middles of teeth 0, 10, 20 and 30.
-        places = [strip(tooth, [0, 12], [80, 80]) for tooth in (0, 1, 3, 5, 6)] + [strip(5, [0, 3], [78, 78])]
+        places = [strip(tooth, [0, 12], [80, 80]) for tooth in (0, 1, 3, 5, 6)] + [strip(5, [0, 3], [78, 78]), strip(0, [0, 3], [83, 83])]
         common |= dict(teeth=40)
-        cases = {"pins": dict(helix=0.0, rim=2.0, web=[0.0, 12.0], hub=103.0, hub_z=[0.0, 12.0], bore=108.0, stations=[0, 0.8, 2.4, 6, 9.6, 11.2, 12],
+        cases = {"pins": dict(helix=0.0, rim=2.0, web=[0.0, 12.0], hub=103.0, hub_z=[0.0, 12.0], bore=108.0, stations=[0, 0.35, 0.9, 1.7, 2.4, 3, 5.5, 9, 12],
                               pins=dict(count=4, circle_mm=96.0, diameter_mm=4.0), strips=places)}
     results = [case(name, **common, **data) for name, data in cases.items() if not chosen or name in chosen]
     text = json.dumps(dict(description=__doc__.strip(), cases=results))

@@ -162,7 +162,7 @@ fn teeth_of_a_ring_over_and_between_its_pins_yield_as_in_an_independent_model() 
     let [found, expected] = influences(&case, &gear, &body);
     let own = expected.diagonal().map(f64::sqrt);
     let error = (&found - &expected).component_div(&(&own * own.transpose()));
-    assert!(error.amax() < 1e-2, "{error:.4}");
+    assert!(error.amax() < 1.5e-2, "{error:.4}");
     // Midway between two pins a tooth gives way nearly twice as far as above one.
     assert!(expected[(3, 3)] > 1.8 * expected[(0, 0)]);
 }

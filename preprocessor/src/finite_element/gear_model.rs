@@ -168,11 +168,12 @@ impl ToothCompliance for FiniteElementCompliance {
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
         let alone: Vec<Load> = (0..segments.len()).map(|i| vec![(i, 1.0)]).collect();
         let loads = self.loads(segments, &alone)?;
+        let lower: Vec<Range<usize>> = (0..loads.len()).map(|row| 0..row + 1).collect();
         let mut matrix = work_between(
             &self.influence,
             self.body.as_ref(),
             [&loads, &loads],
-            &|row| 0..row + 1,
+            &lower,
         );
         if self.plane_strain {
             for (j, column) in segments.iter().enumerate() {
@@ -221,7 +222,7 @@ impl ToothCompliance for FiniteElementCompliance {
         &self,
         segments: &[Segment],
         [rows, columns]: [&[Load]; 2],
-        wanted: &dyn Fn(usize) -> Range<usize>,
+        wanted: &[Range<usize>],
     ) -> Result<DMatrix<f64>, BeyondModel> {
         if self.plane_strain {
             // Segments act on each other slice by slice.

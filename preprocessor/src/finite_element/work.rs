@@ -14,12 +14,12 @@ pub(super) struct FlankLoad {
     pub weights: Weights,
 }
 
-/// What each of `rows` works on the displacements by the `wanted` ones of `columns`; zero for the others.
+/// What each of `rows` works on the displacements by those `columns` that are `wanted` of it; zero for the others.
 pub(super) fn work_between(
     influence: &Influence,
     body: Option<&BodyChange>,
     [rows, columns]: [&[FlankLoad]; 2],
-    wanted: &dyn Fn(usize) -> Range<usize>,
+    wanted: &[Range<usize>],
 ) -> DMatrix<f64> {
     let mut work = DMatrix::zeros(rows.len(), columns.len());
     let of_tooth = |loads: &[FlankLoad], tooth: i32| -> Vec<usize> {
@@ -33,10 +33,9 @@ pub(super) fn work_between(
     for tooth in &teeth {
         for other in &teeth {
             let mut loads = of_tooth(columns, *other);
-            let is_asked = |i: usize, j: usize| wanted(i).contains(&j);
             let mut observed = of_tooth(rows, *tooth);
-            observed.retain(|i| loads.iter().any(|j| is_asked(*i, *j)));
-            loads.retain(|j| observed.iter().any(|i| is_asked(*i, *j)));
+            observed.retain(|i| loads.iter().any(|j| wanted[*i].contains(j)));
+            loads.retain(|j| observed.iter().any(|i| wanted[*i].contains(j)));
             if loads.is_empty() {
                 continue;
             }
@@ -52,7 +51,7 @@ pub(super) fn work_between(
             };
             for (row, i) in observed.iter().enumerate() {
                 for (column, j) in loads.iter().enumerate() {
-                    if is_asked(*i, *j) {
+                    if wanted[*i].contains(j) {
                         work[(*i, *j)] = found[(row, column)];
                     }
                 }
@@ -65,8 +64,8 @@ pub(super) fn work_between(
             body.coordinates(loads)
         });
         let change = body.work(&of_rows, &of_columns);
-        for i in 0..rows.len() {
-            for j in wanted(i) {
+        for (i, columns) in wanted.iter().enumerate() {
+            for j in columns.clone() {
                 work[(i, j)] += change[(i, j)];
             }
         }

@@ -41,7 +41,8 @@ impl OfGear<'_> {
     /// Bulk matrix, lower triangle, m/N.
     pub fn bulk(&self) -> Result<DMatrix<f64>, BeyondModel> {
         let loads: Vec<Load> = (0..self.arms.len()).map(|k| self.alone(k)).collect();
-        (self.model).work(&self.segments, [&loads, &loads], &|row| 0..row + 1)
+        let lower: Vec<Range<usize>> = (0..loads.len()).map(|row| 0..row + 1).collect();
+        (self.model).work(&self.segments, [&loads, &loads], &lower)
     }
 
     /// One newton on segment `k`.
@@ -147,7 +148,7 @@ impl<'a> Beside<'a> {
             let (side, strip) = ((row - n) / count - 1, (row - n) % count);
             (side, strip, n + side * lines + self.strips[strip].line)
         };
-        let work = (of.model).work(&segments, [&rows, &columns], &|row| {
+        let wanted = (0..rows.len()).map(|row| {
             if row < n {
                 0..row + 1
             } else if row < n + count {
@@ -156,7 +157,9 @@ impl<'a> Beside<'a> {
                 let (.., column) = of_side(row);
                 column..column + 1
             }
-        })?;
+        });
+        let wanted: Vec<Range<usize>> = wanted.collect();
+        let work = (of.model).work(&segments, [&rows, &columns], &wanted)?;
         self.tilt += work.view((n, 0), (count, n));
         // The reference length stays: where the model of a place beside has another, the bulk takes the difference.
         let lengths = of.model.reference_lengths(&segments[n..]);

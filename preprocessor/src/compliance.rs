@@ -98,6 +98,11 @@ pub trait ToothCompliance: Send + Sync {
     }
 }
 
+/// Of [`ToothCompliance::work`] between `n` loads and themselves the columns that are wanted of a symmetric matrix.
+pub fn lower_triangle(n: usize) -> Vec<Range<usize>> {
+    (0..n).map(|row| 0..row + 1).collect()
+}
+
 /// [`ToothCompliance::work`] of segments with the matrix `bulk` (m/N).
 pub fn work(
     bulk: &DMatrix<f64>,

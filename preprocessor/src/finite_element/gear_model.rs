@@ -16,7 +16,7 @@ use super::model::{Model, Progress, Stage};
 use super::settings::Settings;
 use super::uneven::{self, BodyChange};
 use super::work::{FlankLoad, work_between};
-use crate::compliance::{self, BeyondModel, Load, ToothCompliance};
+use crate::compliance::{self, BeyondModel, Load, ToothCompliance, lower_triangle};
 use crate::gear::{BodyShape, UnevenBody, body};
 
 /// Finite-element model of one gear, reduced to its loaded flank.
@@ -168,12 +168,11 @@ impl ToothCompliance for FiniteElementCompliance {
     fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
         let alone: Vec<Load> = (0..segments.len()).map(|i| vec![(i, 1.0)]).collect();
         let loads = self.loads(segments, &alone)?;
-        let lower: Vec<Range<usize>> = (0..loads.len()).map(|row| 0..row + 1).collect();
         let mut matrix = work_between(
             &self.influence,
             self.body.as_ref(),
             [&loads, &loads],
-            &lower,
+            &lower_triangle(loads.len()),
         );
         if self.plane_strain {
             for (j, column) in segments.iter().enumerate() {

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use gearmesh::contact::{Candidate, ContactLines, ContactSetup, Motion, Segment};
 
-use crate::compliance::{BeyondModel, Load, ToothCompliance};
+use crate::compliance::{BeyondModel, Load, ToothCompliance, lower_triangle};
 
 /// A segment on its contact line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,8 +41,8 @@ impl OfGear<'_> {
     /// Bulk matrix, lower triangle, m/N.
     pub fn bulk(&self) -> Result<DMatrix<f64>, BeyondModel> {
         let loads: Vec<Load> = (0..self.arms.len()).map(|k| self.alone(k)).collect();
-        let lower: Vec<Range<usize>> = (0..loads.len()).map(|row| 0..row + 1).collect();
-        (self.model).work(&self.segments, [&loads, &loads], &lower)
+        let wanted = lower_triangle(loads.len());
+        (self.model).work(&self.segments, [&loads, &loads], &wanted)
     }
 
     /// One newton on segment `k`.

@@ -10,7 +10,8 @@
 //! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
-    Coverage, Nominal, SEED, TOGETHER, close_for, displacement_nodes, measure_at, mesh_positions,
+    Coverage, Nominal, SEED, TOGETHER, close_for, displacement_nodes, graded, measure_at,
+    mesh_positions,
 };
 use super::sweep::{Progress, StaticSource, sweep};
 use gearmesh::gear::{Flank, PairGeometry};
@@ -169,11 +170,11 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
     let mut nodes = match axis {
         Axis::Displacement => return Some(displacement_nodes(48, 1.8)),
         Axis::MeshPosition => return Some(mesh_positions(128)),
-        Axis::CenterDistance => even(coverage.center_distance_offset?, 25),
+        Axis::CenterDistance => graded(coverage.center_distance_offset?, 25, 0.0),
         Axis::Misalignment => {
             let range = coverage.misalignment?;
             // Twice as close as the default ones.
-            close_for(0.5 * tilt, even(range, 65), range, 65)
+            close_for(0.5 * tilt, graded(range, 65, 0.0), range, 65)
         }
     };
     // The nominal value is a node, so that tables cut there are the solver's own values.
@@ -186,14 +187,6 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
         Axis::Misalignment => coverage.with_outside(nodes),
         _ => nodes,
     })
-}
-
-fn even([low, high]: [f64; 2], n: usize) -> Vec<f64> {
-    let mut nodes: Vec<f64> = (0..n)
-        .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)
-        .collect();
-    nodes[n - 1] = high;
-    nodes
 }
 
 /// Indices to begin with among the fine `nodes`, which cover the range of the table with those `inside`, and the most to be chosen.

@@ -258,7 +258,7 @@ pub struct Way {
     pub derivatives: bool,
 }
 
-/// Rising time of the load, and how long it is taken up, with what that leaves to settle, s.
+/// Rising time of the load, and time after which what it sets swinging has mostly settled, s.
 const RISE: f64 = 2e-3;
 const TAKE_UP: f64 = 8e-3;
 /// Length of a run, of which the last two fifths count as steady, and of a sweep up and down, s.

@@ -81,7 +81,7 @@ pub struct ContactLines<'a> {
     pub tau: f64,
     /// Teeth that differ, and the mesh cycles counted; `None`: all are alike.
     pub teeth: Option<(&'a Passing, Counts)>,
-    /// Whether segments beyond the reach of contact are taken as if they lay at its end.
+    /// Whether segments beyond the extended path are taken as if they lay at its end.
     pub clamped: bool,
 }
 
@@ -89,7 +89,7 @@ pub struct ContactLines<'a> {
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
-    /// The same, with segments beyond the reach of contact taken as if they lay at its end.
+    /// The same, with segments beyond the extended path taken as if they lay at its end.
     #[must_use]
     pub fn clamped(mut self) -> Self {
         self.clamped = true;
@@ -108,7 +108,7 @@ impl ContactLines<'_> {
         stations.filter_map(move |station| self.segment(k, station))
     }
 
-    /// Tooth pairs that come within `margin` (m) of the reach of contact.
+    /// Tooth pairs that come within `margin` (m) of the extended path.
     fn pairs(&self, margin: f64) -> std::ops::RangeInclusive<i32> {
         let margin = margin / self.section.numbers.base_pitch;
         let [first, last] = self.section.passage();
@@ -136,10 +136,10 @@ impl ContactLines<'_> {
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
-    /// The segment of tooth pair `k` at `station`, if enough of it lies within the reach of contact to carry.
+    /// The segment of tooth pair `k` at `station`, if enough of it lies on the extended path to carry.
     pub fn segment(&self, k: i32, station: usize) -> Option<Candidate> {
         let whole = self.station(station);
-        let z = self.within_reach(k, whole)?;
+        let z = self.on_extended_path(k, whole)?;
         let is_long = z[1] - z[0] > SHORTEST * (whole[1] - whole[0]);
         is_long.then(|| self.candidate(k, station, z))
     }
@@ -151,9 +151,9 @@ impl ContactLines<'_> {
         flanks.profile(flanks.closest().s)
     }
 
-    /// Whole segments of [`ContactLines::clamped`] lines, also those up to `margin` (m, along the path) beyond the reach of contact.
+    /// Whole segments of [`ContactLines::clamped`] lines, also those up to `margin` (m) beyond the extended path.
     pub fn segments_beyond(&self, margin: f64) -> Vec<Candidate> {
-        let [first, last] = self.section.reach;
+        let [first, last] = self.section.extended_path;
         let segment = |k: i32, station: usize| {
             let z = self.station(station);
             let [a, b] = z.map(|z| self.contact_line(k, z));
@@ -165,10 +165,10 @@ impl ContactLines<'_> {
         self.pairs(margin).flat_map(of_pair).collect()
     }
 
-    /// The part of `z` in which tooth pair `k` lies within the reach of contact.
-    fn within_reach(&self, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
+    /// The part of `z` in which tooth pair `k` lies on the extended path.
+    fn on_extended_path(&self, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
         let xi = z.map(|z| self.contact_line(k, z));
-        let [first, last] = self.section.reach;
+        let [first, last] = self.section.extended_path;
         if xi.iter().all(|xi| first <= *xi && *xi <= last) {
             return Some(z);
         }
@@ -193,7 +193,7 @@ impl ContactLines<'_> {
     fn flanks(&self, k: i32, z: f64) -> MatingFlanks<'_> {
         let mut xi = self.contact_line(k, z);
         if self.clamped {
-            let [first, last] = self.section.reach;
+            let [first, last] = self.section.extended_path;
             xi = xi.clamp(first, last);
         }
         let (point, microgeometry) = (self.section.point(xi), self.microgeometry(k));

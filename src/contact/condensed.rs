@@ -3,7 +3,7 @@
 //! Influence and reference lengths of segments are smooth functions of mesh position and centre distance, whatever the load, and cost
 //! most of a solve. They are computed at nodes and interpolated with continuous slopes; all else follows from the pose itself.
 //!
-//! Nodes also hold segments a little beyond the reach of contact, for all four neighbours of a position. Mesh position 1 is 0 with
+//! Nodes also hold segments a little beyond the extended path of contact, for all four neighbours of a position. Mesh position 1 is 0 with
 //! tooth pairs counted on by one.
 //!
 //! The file, [`sealed`]: length of the head, head (JSON), and of each flank influence matrices and what [`CondensedRoots`] hold (32-bit
@@ -62,7 +62,7 @@ pub struct CondensedNode {
 }
 
 impl CondensedFlank {
-    /// Segments up to this part of a base pitch beyond the reach of contact are in a node: two steps to either side of a position.
+    /// Segments up to this part of a base pitch beyond the extended path are in a node: two steps to either side of a position.
     pub const MARGIN: f64 = 2.1 / POSITIONS as f64;
 
     /// Mesh positions and centre distance offsets (m) of the nodes with the offsets `offsets`, in their order.
@@ -131,7 +131,7 @@ impl CondensedFlank {
     /// Number of all values; `None` where the grid makes no sense.
     pub fn value_count(&self) -> Option<usize> {
         let ascends = self.offsets.windows(2).all(|w| w[0] < w[1]);
-        // Pairs are those in reach of one mesh cycle.
+        // Pairs are those on the extended path during one mesh cycle.
         let near = self.first_pair.unsigned_abs() < 1000 && (1..1000).contains(&self.pairs);
         let makes_sense =
             matches!(self.offsets.len(), 1 | 3) && ascends && self.positions >= 4 && near;

@@ -60,13 +60,13 @@ pub enum Failure {
          lower torque or misalignment, or state the larger one as operating.maximum_torque_nm or \
          operating.misalignment_mrad in the pair file, from which that distance follows",
         1e6 * needed,
-        1e6 * reach
+        1e6 * followed
     )]
-    BeyondReach {
+    NotFollowed {
         /// Largest approach found, m.
         needed: f64,
-        /// How far candidates were followed, m.
-        reach: f64,
+        /// Approach up to which tip edges were followed, m.
+        followed: f64,
     },
 }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! transverse section ──> candidates: segments of all ──> position: influence matrix, gaps ──> complementarity
-//! (path, tip corners)    contact lines in reach        local contact law                     (load or approach)
+//! (extended path)        contact lines on it           local contact law                     (load or approach)
 //! ```
 //!
 //! [`RuntimeContact`] is the solve in the FMU: influence matrices condensed over the mesh cycle ([`CondensedFlank`]), all else from the

@@ -28,7 +28,7 @@ pub struct ContactProblem {
     /// Deviation from the nominal centre distance, m.
     pub center_distance_offset: f64,
     /// Approach up to which tip edges were followed, m; None: not at all.
-    pub reach: Option<f64>,
+    pub followed_approach: Option<f64>,
     /// Stiffness for starting values, N/m per m of contact line.
     pub foundation: f64,
     /// Length of a point of a segment that is half as long as a station, m. The end of contact cuts shorter ones off. There the
@@ -64,7 +64,8 @@ impl ContactProblem {
             influence,
             numbers: *numbers,
             center_distance_offset: lines.center_distance_offset,
-            reach: setup.settings.tip_corner_contact.then_some(setup.reach),
+            followed_approach: (setup.settings.tip_corner_contact)
+                .then_some(setup.followed_approach),
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
             shortest: 0.5 * numbers.face[1]
                 / (setup.settings.stations as f64 * numbers.cos_beta_b * POINTS as f64),
@@ -162,11 +163,12 @@ impl ContactProblem {
             }
             solution => solution.map_err(failed)?,
         };
-        if let (None, Some(reach)) = (solution.excess, self.reach) {
+        if let (None, Some(followed)) = (solution.excess, self.followed_approach) {
             let levers = self.candidates.iter().flat_map(|c| c.levers);
             let approaches = levers.map(|lever| solution.approach + misalignment * lever);
             let needed = approaches.fold(f64::NEG_INFINITY, f64::max);
-            solution.excess = (needed > reach).then_some(Failure::BeyondReach { needed, reach });
+            solution.excess =
+                (needed > followed).then_some(Failure::NotFollowed { needed, followed });
         }
         Ok(solution)
     }

@@ -38,7 +38,7 @@ pub struct ContactPotential {
     /// Largest principal stress in the tooth roots of gear 1 and gear 2, Pa; zero unless [`RuntimeContact::with_root_stress`] asks
     /// for it.
     pub root_stress: [f64; 2],
-    /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, segments in reach that they lack,
+    /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, candidates that they lack,
     /// or a pressure that no flank carries.
     pub out_of_range: bool,
 }

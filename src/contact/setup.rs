@@ -28,9 +28,10 @@ pub struct ContactSettings {
     /// by that sets it to false.
     #[serde(default)]
     pub bent_teeth: bool,
-    /// Largest approach on the line of action for which tip corners are followed, m. None: from
+    /// Approach on the line of action up to which tip edges are followed, m; `reach` in files. None: from
     /// the largest torque and misalignment of the pair.
-    pub reach: Option<f64>,
+    #[serde(rename = "reach")]
+    pub followed_approach: Option<f64>,
 }
 
 fn all() -> f64 {
@@ -44,7 +45,7 @@ impl Default for ContactSettings {
             own_share: all(),
             tip_corner_contact: true,
             bent_teeth: true,
-            reach: None,
+            followed_approach: None,
         }
     }
 }
@@ -61,8 +62,9 @@ pub struct ContactSetup {
     pub teeth: PairTeeth,
     /// How the contact is discretised.
     pub settings: ContactSettings,
-    /// Approach for which tip corners are followed, m.
-    pub reach: f64,
+    /// Approach up to which tip edges are followed, m; `reach` in files.
+    #[serde(rename = "reach")]
+    pub followed_approach: f64,
     /// Reference length that the local contact asks for, m.
     pub reference_length: f64,
     /// Distances from the tip edges down to which the elastic models hold how teeth give way, m.
@@ -121,7 +123,7 @@ impl ContactSetup {
         center_distance_offset: f64,
     ) -> Result<TransverseSection, ContactError> {
         let center_distance = self.geometry.center_distance + center_distance_offset;
-        let limit = self.reach + self.teeth.largest_closing();
+        let limit = self.followed_approach + self.teeth.largest_closing();
         let limit = self.settings.tip_corner_contact.then_some(limit);
         TransverseSection::new(numbers, center_distance, self.form_rolls, limit)
             .ok_or_else(|| self.out_of_mesh(center_distance_offset))

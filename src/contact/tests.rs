@@ -70,7 +70,7 @@ fn the_closest_point_is_the_least_gap_of_all() {
         });
     }
     let (g, section) = (&pair.geometry, section(&pair.geometry, 100e-6));
-    let [first, last] = section.reach;
+    let [first, last] = section.extended_path;
     for step in 0..=200 {
         let at = section.point(first + (last - first) * f64::from(step) / 200.0);
         let found = flanks(&pair, &section, at);
@@ -205,7 +205,7 @@ fn separation_and_arm_of_a_tip_edge_are_those_of_the_signed_distance_from_the_ma
     for p in &pairs {
         let section = section(p, 50e-6);
         let path = p.path_of_contact(p.center_distance);
-        let [first, last] = section.reach;
+        let [first, last] = section.extended_path;
         assert!(first < path.start && path.end < last, "{path:?}");
         for (end, tip_gear, limit) in [(path.start, 1, first), (path.end, 0, last)] {
             for fraction in [0.2, 0.6, 1.0] {

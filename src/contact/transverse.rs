@@ -121,8 +121,9 @@ pub struct TransverseSection {
     /// Of the operating transverse pressure angle.
     tan_phi: f64,
     path: [f64; 2],
-    /// How far candidates go, m from the pitch point: beyond the path where tip corners count.
-    pub reach: [f64; 2],
+    /// Ends of the extended path of contact, m from the pitch point: the path, and where tip edges count, what lies beyond it up to
+    /// where they are followed. Candidates lie on it.
+    pub extended_path: [f64; 2],
 }
 
 impl TransverseSection {
@@ -149,11 +150,11 @@ impl TransverseSection {
             form_rolls,
             tan_phi,
             path,
-            reach: path,
+            extended_path: path,
         };
         if let Some(limit) = separation_limit {
             for end in 0..2 {
-                section.reach[end] = section.reach_beyond(end, limit);
+                section.extended_path[end] = section.extended_end(end, limit);
             }
         }
         Some(section)
@@ -161,15 +162,18 @@ impl TransverseSection {
 
     /// The section at a `center_distance` (m) next to this one, with candidates as far as here.
     pub fn near(&self, center_distance: f64) -> Option<TransverseSection> {
-        let (numbers, reach) = (&self.numbers, self.reach);
-        let section = TransverseSection::new(numbers, center_distance, self.form_rolls, None)?;
-        Some(TransverseSection { reach, ..section })
+        let section =
+            TransverseSection::new(&self.numbers, center_distance, self.form_rolls, None)?;
+        Some(TransverseSection {
+            extended_path: self.extended_path,
+            ..section
+        })
     }
 
-    /// Mesh positions between which tooth pair 0 comes within the reach of contact.
+    /// Mesh positions between which tooth pair 0 lies on the extended path of contact.
     pub fn passage(&self) -> [f64; 2] {
         let tilt = 0.5 * self.numbers.face[1] * self.numbers.tan_beta_b;
-        let [first, last] = self.reach;
+        let [first, last] = self.extended_path;
         [first - tilt, last + tilt].map(|end| end / self.numbers.base_pitch)
     }
 
@@ -235,7 +239,7 @@ impl TransverseSection {
     }
 
     /// Farthest conjugate position beyond the path's `end` with a separation below `limit` and a tip edge that faces the involute.
-    fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
+    fn extended_end(&self, end: usize, limit: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let is_within = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);

@@ -131,7 +131,7 @@ impl Constants {
         })
     }
 
-    /// Whether there is a line of action at the centre distance `c`; false: no tooth is within reach of another.
+    /// Whether there is a line of action at the centre distance `c`; false: the gears are out of mesh.
     /// Errors: base circles without a common tangent, except for an internal pair pulled apart so far that its
     /// teeth have already left each other.
     #[inline(always)]

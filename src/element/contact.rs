@@ -197,7 +197,7 @@ impl<T: Scalar> Pose<T> {
 /// Loads and diagnostics at a pose, and what they were made of.
 pub(crate) struct Solution<T: Scalar> {
     pub outputs: Outputs<T>,
-    /// `None`: the gears are out of reach of one another.
+    /// `None`: the gears are out of mesh.
     pub mesh: Option<Mesh<T>>,
 }
 
@@ -220,7 +220,7 @@ impl<T: Scalar> Solution<T> {
     ) -> Result<Self, ElementError> {
         let pose = Pose::<T>::new(el, inputs)?;
         if !pose.map.has_line_of_action {
-            return Ok(Self::out_of_reach(el, inputs, &pose));
+            return Ok(Self::out_of_mesh(el, inputs, &pose));
         }
         let mut mating = Mating::new(el, phase, inputs, &pose);
         for i in 0..2 {
@@ -238,9 +238,9 @@ impl<T: Scalar> Solution<T> {
         })
     }
 
-    /// Of gears no tooth of which reaches the other gear.
+    /// Of gears out of mesh.
     #[inline(always)]
-    fn out_of_reach(el: &Element, inputs: &Inputs, pose: &Pose<T>) -> Self {
+    fn out_of_mesh(el: &Element, inputs: &Inputs, pose: &Pose<T>) -> Self {
         let point = pose.map.near_pitch_point(T::from(0.0));
         Self {
             outputs: Outputs {
@@ -255,7 +255,7 @@ impl<T: Scalar> Solution<T> {
     }
 }
 
-/// The gears at a pose within reach of one another, on the way to their loads.
+/// The gears at a pose in mesh, on the way to their loads.
 struct Mating<'e, T> {
     el: &'e Element,
     pose: &'e Pose<T>,

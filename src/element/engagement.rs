@@ -12,7 +12,7 @@ use super::dual::Scalar;
 
 /// How far the gears are in mesh: factor on the potential and its slopes.
 pub(crate) struct Engagement<T> {
-    /// 1 in mesh, 0 out of reach.
+    /// 1 in mesh, 0 out of mesh.
     pub factor: T,
     /// Its derivative by the centre distance, 1/m.
     pub by_center_distance: T,

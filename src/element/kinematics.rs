@@ -95,7 +95,7 @@ pub(crate) struct Map<T> {
     station: f64,
     /// C, m.
     pub c: T,
-    /// Whether there is a line of action. Else no tooth is within reach of another, and only `c` and the frame have a meaning.
+    /// Whether there is a line of action. Else the gears are out of mesh, and only `c` and the frame have a meaning.
     pub has_line_of_action: bool,
     /// lambda, m.
     lambda: T,

@@ -223,7 +223,7 @@ impl Element {
     /// Loads and diagnostics at `inputs`. Pure; contact at run time starts from nothing, see [`Element::evaluate_from`].
     ///
     /// # Errors
-    /// A pose without meaning (see [`ElementError`]), or at which a law has no potential. Gears out of reach of one another
+    /// A pose without meaning (see [`ElementError`]), or at which a law has no potential. Gears out of mesh
     /// are no error: they feel no force.
     pub fn evaluate(&self, phase: &PhaseOffset, inputs: &Inputs) -> Result<Outputs, ElementError> {
         self.evaluate_from(phase, inputs, &mut Workspace::default())

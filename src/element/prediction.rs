@@ -115,7 +115,7 @@ pub struct Prediction {
     pub outputs: Outputs,
     /// For the step in which they act.
     pub loads: Loads,
-    /// For the next prediction; `None`: loads are held, or the gears out of reach of one another.
+    /// For the next prediction; `None`: loads are held, or the gears out of mesh.
     pub history: Option<History>,
 }
 

@@ -29,7 +29,7 @@ impl Element {
     /// Phase offsets for a simulation that starts at `inputs`.
     ///
     /// # Errors
-    /// A pose without meaning, gears out of reach of one another.
+    /// A pose without meaning, gears out of mesh.
     pub fn phase_offset(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
         self.check(inputs)?;
         self.phases(inputs)
@@ -108,7 +108,7 @@ impl Element {
         Ok(reasons.join("; "))
     }
 
-    /// Why no tooth reaches the other gear, if none does.
+    /// Why the gears are out of mesh, if they are.
     fn apart(&self, inputs: &Inputs) -> Result<Vec<String>, ElementError> {
         let k = &self.constants;
         let pose = Pose::<f64>::new(self, inputs)?;
@@ -206,7 +206,7 @@ impl Element {
         let pose = Pose::<T>::new(self, inputs)?;
         if !pose.map.has_line_of_action {
             return Err(ElementError(
-                "at the initial pose the gears are out of reach of one another; start from a pose in mesh".into(),
+                "at the initial pose the gears are out of mesh; start from a pose in mesh".into(),
             ));
         }
         if self.parameters.phase_reference == PhaseReference::Absolute {

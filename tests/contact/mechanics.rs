@@ -234,7 +234,7 @@ fn unusable_numbers_are_refused_by_name() {
 fn loads_that_no_tooth_can_carry_and_teeth_that_the_elastic_model_does_not_know_are_refused() {
     let pair = pair::from_json(PAPER).unwrap();
     let settings = ContactSettings {
-        reach: Some(0.1),
+        followed_approach: Some(0.1),
         ..ContactSettings::default()
     };
     let problem = coarse_solver(&pair, settings).position(Flank::Drive, 0.2, 0.0);

@@ -131,7 +131,9 @@ impl MeshCycle {
         let largest = cases.iter().map(|case| case.torque).fold(0.0, f64::max);
         // Where the shafts open the flanks the others approach by as much more.
         let range = (shafts.as_ref()).map_or(0.0, |s| 2.0 * s.range(geometry, largest));
-        let solver = &solver.clone().followed_to(solver.setup().reach + range);
+        let solver = &solver
+            .clone()
+            .followed_to(solver.setup().followed_approach + range);
         let solved = mesh_position.par_iter().map(|tau| {
             let mut at = solver.position(input.flank, *tau, input.center_distance_offset)?;
             let mut solved: Vec<Solved> = Vec::with_capacity(cases.len());

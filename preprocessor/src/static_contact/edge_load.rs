@@ -22,7 +22,7 @@ const BISECTIONS: usize = 12;
 
 /// How far contact on bent teeth moves at most along the profile, over the approach for which tip edges are followed: a tooth two modules high
 /// that gives way by the approach is tilted by half of it over the module, flanks have radii of up to ten modules.
-const MOVES_OVER_REACH: f64 = 5.0;
+const MOVES_OVER_APPROACH: f64 = 5.0;
 
 /// What a segment bears at one position.
 struct Sample<'a> {
@@ -70,7 +70,7 @@ impl PositionProblem {
         .map(|(i, (segment, law))| {
             let mut along = LawsAlong::default();
             let moves = match self.contact.moves() {
-                true => MOVES_OVER_REACH * lines.setup.reach,
+                true => MOVES_OVER_APPROACH * lines.setup.followed_approach,
                 false => 0.0,
             };
             if law.has_edge(moves) {

@@ -103,7 +103,7 @@ pub struct ContactResult {
     /// z_c: where the resultant crosses the pitch plane (y = 0), m in gear 1's frame; of helical pairs it may lie beyond the face.
     /// Mid-face where nothing touches.
     pub contact_z: f64,
-    /// Fraction of the load on each tooth pair in reach, ascending.
+    /// Fraction of the load on each tooth pair that may touch, ascending.
     pub load_share: Vec<(i32, f64)>,
     /// Largest pressure of a segment, Pa.
     pub max_pressure: f64,

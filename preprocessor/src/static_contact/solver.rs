@@ -19,7 +19,7 @@ use nalgebra::DMatrix;
 
 /// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
 const TRIED: [f64; 2] = [0.0, 0.5];
-/// Reach over the approach that was found there, for other positions and centre distances.
+/// Ratio of the approach up to which they are followed to the largest found there, for other positions and centre distances.
 const MARGIN: f64 = 1.25;
 /// Farther edges take up load, so that approaches fall: one more trial as a rule.
 const TRIALS: usize = 8;
@@ -74,7 +74,7 @@ impl ContactSolver {
     /// A solver for `pair` on the elastic models of gear 1 and gear 2.
     ///
     /// # Errors
-    /// [`Input`](gearmesh::contact::ContactError::Input) for no stations or a reach that is not positive,
+    /// [`Input`](gearmesh::contact::ContactError::Input) for no stations or a followed approach that is not positive,
     /// [`ContactError::Profile`] for a gear without a usable tooth.
     pub fn new(
         pair: &Pair,
@@ -90,10 +90,15 @@ impl ContactSolver {
             let form_roll = ToothProfile::new(gear)?.usable_roll();
             *roll = form_roll.max(1e-3 * gear.base_radius());
         }
-        let reach = (settings.reach).unwrap_or_else(|| estimated_reach(pair, form_rolls));
-        if !(reach.is_finite() && reach > 0.0) {
+        let followed_approach =
+            (settings.followed_approach).unwrap_or_else(|| estimated_approach(pair, form_rolls));
+        if !(followed_approach.is_finite() && followed_approach > 0.0) {
             let remedy = "give a positive length in m";
-            return Err(ContactError::input("reach", reach, remedy));
+            return Err(ContactError::input(
+                "followed_approach",
+                followed_approach,
+                remedy,
+            ));
         }
         let corner_resolution = compliance.each_ref().map(|gear| gear.corner_resolution());
         let solver = ContactSolver {
@@ -103,7 +108,7 @@ impl ContactSolver {
                 microgeometry: pair.microgeometry.clone(),
                 teeth: PairTeeth::default(),
                 settings,
-                reach,
+                followed_approach,
                 // The local law then holds up to 2.25 times the line load that was estimated.
                 reference_length: pair.widest_contact(),
                 corner_resolution,
@@ -114,7 +119,7 @@ impl ContactSolver {
             compliance,
             deflection: Deflection::default(),
         };
-        let solver = match settings.reach.is_some() || !settings.tip_corner_contact {
+        let solver = match settings.followed_approach.is_some() || !settings.tip_corner_contact {
             true => solver,
             false => solver.followed_as_needed(pair),
         };
@@ -146,32 +151,32 @@ impl ContactSolver {
         Ok(false)
     }
 
-    /// The same pair with tip edges followed up to the approach `reach`, m.
+    /// The same pair with tip edges followed up to `approach` (m).
     #[must_use]
-    pub fn followed_to(mut self, reach: f64) -> ContactSolver {
-        self.setup.reach = reach;
+    pub fn followed_to(mut self, approach: f64) -> ContactSolver {
+        self.setup.followed_approach = approach;
         self
     }
 
-    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_reach`] says, as with bodies
+    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_approach`] says, as with bodies
     /// that tilt under the thrust of a steep helix. What cannot be solved here is refused when it comes up.
     fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
-        let mut followed = self.setup.reach;
+        let mut followed = self.setup.followed_approach;
         for _ in 0..TRIALS {
-            let Ok(needed) = self.needed_reach(pair) else {
+            let Ok(needed) = self.needed_approach(pair) else {
                 break;
             };
-            followed = self.setup.reach;
+            followed = self.setup.followed_approach;
             if needed == 0.0 {
                 break;
             }
-            self.setup.reach = MARGIN * needed;
+            self.setup.followed_approach = MARGIN * needed;
         }
         self.followed_to(followed)
     }
 
-    /// Largest approach, m, beyond the present reach at the positions tried; zero where there is none.
-    fn needed_reach(&self, pair: &Pair) -> Result<f64, ContactError> {
+    /// Largest approach at the positions tried, m, if tip edges are not followed that far; else zero.
+    fn needed_approach(&self, pair: &Pair) -> Result<f64, ContactError> {
         let torque = Prescribed::Torque(pair.operating.maximum_torque);
         let mut largest = 0.0f64;
         for flank in loaded_flanks(pair) {
@@ -179,7 +184,7 @@ impl ContactSolver {
                 let problem = self.position(flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
                     let found = problem.contact.solution(torque, misalignment, None)?;
-                    if let Some(Failure::BeyondReach { needed, .. }) = found.excess {
+                    if let Some(Failure::NotFollowed { needed, .. }) = found.excess {
                         largest = largest.max(needed);
                     }
                 }
@@ -248,7 +253,7 @@ impl ContactSolver {
     pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
         let [least, largest] = self.deflection_range(&deflection);
         // The approach that bears the load grows by the range of the deflection.
-        self.setup.reach += largest.max(0.0) + largest - least;
+        self.setup.followed_approach += largest.max(0.0) + largest - least;
         self.deflection = deflection;
         self
     }
@@ -312,7 +317,7 @@ impl ContactSolver {
     /// touches at the pitch point at mid-face.
     ///
     /// # Errors
-    /// As there; [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where it is not within reach.
+    /// As there; [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where it is not on the extended path of contact.
     pub fn tooth_pair(
         &self,
         flank: Flank,
@@ -323,7 +328,7 @@ impl ContactSolver {
         self.problem(&lines, lines.of_pair(0).collect())
     }
 
-    /// Places between which a tooth pair comes within the reach of contact at the deviation `center_distance_offset` (m).
+    /// Places between which a tooth pair lies on the extended path of contact at the deviation `center_distance_offset` (m).
     ///
     /// # Errors
     /// [`OutOfMesh`](gearmesh::contact::ContactError::OutOfMesh) where teeth cannot meet.
@@ -332,7 +337,8 @@ impl ContactSolver {
         Ok(section.passage())
     }
 
-    /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite out of reach.
+    /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is
+    /// not on the extended path of contact.
     ///
     /// # Errors
     /// As [`ContactSolver::passage`].
@@ -420,7 +426,9 @@ impl ContactSolver {
             false => self.deflection_range(by)[1].max(0.0),
         };
         let more = largest(next) - largest(present);
-        problem.contact.reach = problem.contact.reach.map(|reach| reach - more);
+        if let Some(followed) = &mut problem.contact.followed_approach {
+            *followed -= more;
+        }
     }
 
     /// Sliding of `result`, a solution of `problem`, weighted by `law`.
@@ -524,7 +532,7 @@ impl ContactSolver {
 
 /// Approach that the pair's largest load and misalignment can cause, m: twice that of a stiff tooth pair, of the bodies, of the
 /// misalignment at the ends, and what modifications take off at most.
-fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
+fn estimated_approach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     let g = &pair.geometry;
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
     let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);

@@ -18,10 +18,10 @@ use rayon::prelude::*;
 /// Spans from the first touch at the pitch point to the ceiling of the first touch elsewhere.
 const CEILING: f64 = 1.5;
 
-/// Multiple of the reach of the pair's own contact up to which tip edges are followed.
-const REACH: f64 = 8.0;
+/// Ratio of the approach up to which tip edges are followed to that of the pair's own contact.
+const FARTHER: f64 = 8.0;
 
-/// Steps in which the ends of the places are sought, base pitches; likewise how far within the reach of contact a pair stays.
+/// Steps in which the ends of the places are sought, base pitches; likewise how far inside the ends of the extended path a pair stays.
 const STEP: f64 = 1.0 / 64.0;
 
 /// One tooth pair at the centre distances and misalignments of a table, whose mesh position runs over its places.
@@ -51,8 +51,8 @@ impl ToothPair {
         axes: &Axes,
         spread: f64,
     ) -> Result<ToothPair, TableError> {
-        let reach = REACH * (solver.setup().reach + spread);
-        let solver = solver.clone().followed_to(reach);
+        let followed = FARTHER * (solver.setup().followed_approach + spread);
+        let solver = solver.clone().followed_to(followed);
         let nodes = [&axes.center_distance_offset, &axes.misalignment].map(Clone::clone);
         let failed = |c, m| move |error: ContactError| solve_error(flank, [c, m, 0.0], error);
         let torque = Prescribed::Torque(coverage.maximum_torque);
@@ -132,7 +132,7 @@ impl StaticSource for ToothPair {
 struct ToothPairPosition<'a> {
     pair: &'a ToothPair,
     problem: PositionProblem,
-    /// It lies beyond the reach of contact, and is taken at its end.
+    /// It lies beyond the extended path of contact, and is taken at its end.
     is_beyond: bool,
     center_distance_offset: f64,
     warm: Option<ContactResult>,

@@ -52,7 +52,7 @@ fn poses_without_meaning_are_refused_by_name() {
 }
 
 #[test]
-fn gears_out_of_reach_feel_nothing_and_get_there_along_a_gradient() {
+fn gears_out_of_mesh_feel_nothing_and_get_there_along_a_gradient() {
     for pair in three_pairs(1.0) {
         let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
         let phase = element.phase_offset(&element.nominal_inputs()).unwrap();

@@ -208,7 +208,7 @@ pub struct Frame<const N: usize> {
     pub no_load: Coefficients<N>,
     pub span: Coefficients<N>,
     /// How far the span goes on beyond the ends of `c` and `m`; the shape goes as far as these say themselves.
-    pub span_reach: [[f64; 2]; 2],
+    pub span_levelling: [[f64; 2]; 2],
 }
 
 pub struct Framed<const N: usize> {
@@ -256,7 +256,7 @@ impl<const N: usize> Frame<N> {
         let mut span = self.span.field::<H, AXES>(lanes, &weights);
         if outside {
             no_load = self.beyond(&self.no_load, q, p, [[f64::INFINITY; 2]; 2]);
-            span = self.beyond(&self.span, q, p, self.span_reach);
+            span = self.beyond(&self.span, q, p, self.span_levelling);
         }
         Framed {
             u: (q.delta - no_load.value) / span.value,

@@ -62,7 +62,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         // Those of centre distance and misalignment.
         for (axis, basis) in bases[..2].iter_mut().enumerate() {
             basis.levelling_length = [SHAPE_LEVELLING * basis.range(); 2];
-            shorten_reach(basis, axis, &force);
+            shorten_levelling(basis, axis, &force);
         }
         let force = keep_increasing_beyond(&bases, &force);
         let own_moment = (grid.moment.as_ref()).filter(|_| grid.axes.misalignment.len() == 1);
@@ -83,7 +83,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
             let integral = |line: Vec<f64>| integrated(&line, parts.u_breaks, NU - 2);
             Coefficients::new(&block.mapped(2, block.lengths[2] + 1, integral))
         };
-        let span_reach = span_reach([&c, &m], &parts.span)?;
+        let span_levelling = span_levelling([&c, &m], &parts.span)?;
         let values = parts.no_load.values.iter();
         let largest = values.clone().fold(0.0, |l: f64, v| l.max(v.abs()));
         let least = values.copied().fold(f64::INFINITY, f64::min);
@@ -99,7 +99,7 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
                 p,
                 no_load: Coefficients::new(&parts.no_load),
                 span: Coefficients::new(&parts.span),
-                span_reach,
+                span_levelling,
             },
             top: parts.top,
         })
@@ -256,7 +256,7 @@ fn ends<const N: usize>(basis: &Basis<N>, n: usize) -> Vec<End> {
 
 /// Halves the levelling length of `basis`, that of `axis`, at an end where [`keep_increasing_beyond`] would change the coefficients `force` over u by
 /// more than [`MOST_GIVEN_UP`].
-fn shorten_reach<const N: usize>(basis: &mut Basis<N>, axis: usize, force: &Block) {
+fn shorten_levelling<const N: usize>(basis: &mut Basis<N>, axis: usize, force: &Block) {
     let largest = force.values.iter().copied().fold(0.0, f64::max);
     let (over, along_u, n) = (force.stride(axis), force.stride(2), force.lengths[2]);
     for k in 0..ends(basis, force.lengths[axis]).len() {
@@ -338,7 +338,7 @@ fn keep_increasing_beyond<const N: usize>(bases: &[Basis<N>; 3], force: &Block) 
 }
 
 /// How far `span` goes on beyond the ends of C and M: [`SPAN_LEVELLING`], and where it falls outwards as far as half of it is left.
-fn span_reach<const N: usize>(
+fn span_levelling<const N: usize>(
     bases: [&Basis<N>; 2],
     span: &Block,
 ) -> Result<[[f64; 2]; 2], TableError> {

@@ -374,9 +374,14 @@ impl Section {
         section
     }
 
-    /// A sector of the body of `gear` from the `radius` (m) on, without teeth, at these `angles` (rad, ascending, at half steps), in elements of about
-    /// `size` (m).
-    pub fn of_body(gear: &Gear, radius: f64, angles: &[f64], size: f64) -> Section {
+    /// A sector of the body of `gear` from the `radius` (m) on, without teeth, at these `angles` (rad, ascending, at half steps); `ends` gives
+    /// the radii where elements end between two of them.
+    pub fn of_body(
+        gear: &Gear,
+        radius: f64,
+        angles: &[f64],
+        ends: impl Fn([f64; 2]) -> Vec<f64>,
+    ) -> Section {
         let web = gear.body.map_or(gear.held_radius, |body| body.hub_radius);
         let parts = [
             ([radius, web], gear.body.map(|body| body.web)),
@@ -384,8 +389,8 @@ impl Section {
         ];
         let mut radii = vec![radius];
         let mut section = Section::default();
-        for ([from, to], width) in parts.into_iter().filter(|([a, b], _)| a != b) {
-            let ends = divide(from, to, size);
+        for (part, width) in parts.into_iter().filter(|([a, b], _)| a != b) {
+            let ends = ends(part);
             section.widths.extend(vec![width; ends.len() - 1]);
             radii.extend(&halved(&ends)[1..]);
         }

@@ -6,7 +6,7 @@ use super::error::FiniteElementError;
 use super::flank::Weights;
 use super::mesh::{Hole, Layers, Mesh};
 use super::section::{Outline, Section};
-use super::settings::{Discretization, divide, halved};
+use super::settings::{Discretization, graded_from_both, halved};
 use crate::gear::{BodyShape, HoleCircle, Refinement, ToothProfile, UnevenBody};
 use gearmesh::gear::{Body, Gear};
 use nalgebra::DMatrix;
@@ -62,14 +62,11 @@ pub fn stiffness(
         } => Pattern {
             count: *count,
             angle: *angle,
-            size: (width * gear.held_radius).min((body.radius - gear.held_radius).abs()) / ELEMENTS,
-            hole: None,
-            support: Some(*width),
+            what: Feature::Support(*width),
         },
     };
-    let foundation = basis.foundation(gear);
-    let mesh = pattern.mesh(gear, body.radius, foundation)?;
-    let mut stiffness = basis.stiffness(&mesh, pattern.count, foundation)?;
+    let mesh = pattern.mesh(gear, basis)?;
+    let mut stiffness = basis.stiffness(&mesh, pattern.count, basis.foundation(gear))?;
     // Symmetric: turned rows become columns, and then they are turned, too.
     for _ in 0..2 {
         basis.turn(stiffness.as_view_mut(), pattern.angle);
@@ -79,18 +76,26 @@ pub fn stiffness(
 }
 
 /// Elements in the radius of a hole, and in the width of a support or its distance from the cylinder.
-const ELEMENTS: f64 = 3.0;
+const ELEMENTS: f64 = 5.0;
+/// Radii of a hole or pin within which elements about its middle do not grow.
+const FINE: f64 = 1.1;
+/// Growth of the elements beyond.
+const GROWTH: f64 = 1.6;
 
 /// What comes again all around a body.
 struct Pattern {
     count: u32,
     /// Where one of it lies, rad.
     angle: f64,
-    /// Of the elements, m.
-    size: f64,
-    hole: Option<Hole>,
-    /// Width of a support, rad.
-    support: Option<f64>,
+    what: Feature,
+}
+
+#[derive(Clone, Copy)]
+enum Feature {
+    /// A hole, or a pin in it.
+    Hole(Hole),
+    /// A part of this width, rad, of the surface below, held.
+    Support(f64),
 }
 
 impl Pattern {
@@ -98,60 +103,95 @@ impl Pattern {
         Pattern {
             count: circle.count,
             angle: circle.angle,
-            size: circle.radius / ELEMENTS,
-            hole: Some(Hole {
+            what: Feature::Hole(Hole {
                 middle: [circle.circle_radius, 0.0],
                 radius: circle.radius,
                 pin,
             }),
-            support: None,
         }
     }
 
-    /// Mesh of a sector of the body of `gear` from the `radius` (m) on, about one hole or support at angle 0, its cylinder on a `foundation`
-    /// (N/m³).
-    fn mesh(&self, gear: &Gear, radius: f64, foundation: f64) -> Result<Mesh, FiniteElementError> {
-        let size = self.size.min(gear.normal_module);
-        let (end, stop) = (
-            0.5 * TAU / f64::from(self.count),
-            0.5 * self.support.unwrap_or(0.0),
+    /// Mesh of a sector of the body of `gear`, about one hole or support at angle 0, its cylinder, that of `basis`, on a foundation.
+    fn mesh(&self, gear: &Gear, basis: &Basis) -> Result<Mesh, FiniteElementError> {
+        let (radius, held) = (basis.radius, gear.held_radius);
+        let half_sector = 0.5 * TAU / f64::from(self.count);
+        // Radii and angles between which elements are fine.
+        let (size, radii, half_angle) = match self.what {
+            Feature::Hole(hole) => {
+                let ([middle, _], around) = (hole.middle, FINE * hole.radius);
+                let radii = [middle - around, middle + around];
+                (hole.radius, radii, around / middle)
+            }
+            Feature::Support(width) => {
+                let size = (width * held).min((radius - held).abs());
+                (size, [held; 2], 0.5 * width)
+            }
+        };
+        let fine = (size / ELEMENTS).min(gear.normal_module);
+        // Along the largest element a wave of the highest order turns by a radian.
+        let largest = fine.max(radius / basis.orders as f64);
+        let per_angle = 0.5 * (radius + held);
+        let angles = ends_about(
+            [-half_sector, half_sector],
+            [-half_angle, half_angle],
+            [fine, largest].map(|size| size / per_angle),
         );
-        let mut angles = vec![-end];
-        for ends in [-end, -stop, stop, end]
-            .windows(2)
-            .filter(|ends| ends[0] < ends[1])
-        {
-            let middle = 0.5 * (radius + gear.held_radius);
-            angles.extend(&divide(ends[0], ends[1], size / middle)[1..]);
-        }
         let outline = Outline::new(&ToothProfile::new(gear)?);
-        let is_bore_held = self.support.is_none() && self.hole.is_none_or(|hole| !hole.pin);
+        let is_bore_held = matches!(self.what, Feature::Hole(hole) if !hole.pin);
         // Straight: round bodies are the same along any helix.
         let gear = Gear {
             helix_angle: 0.0,
-            foundation: (!is_bore_held).then_some(foundation),
+            foundation: (!is_bore_held).then_some(basis.foundation(gear)),
             ..gear.clone()
         };
-        let section = Section::of_body(&gear, radius, &halved(&angles), size);
-        let layers = Layers::new(&gear, &Discretization::of(Refinement::Normal));
+        let section = Section::of_body(&gear, radius, &halved(&angles), |part| {
+            ends_about(part, radii, [fine, largest])
+        });
+        // Through a web the coarse ones are too few.
+        let refinement = match gear.body {
+            Some(_) => Refinement::Normal,
+            None => Refinement::Coarse,
+        };
+        let layers = Layers::new(&gear, &Discretization::of(refinement));
         let mut mesh = Mesh::new(&gear, &outline, &section, Some(&layers));
         let is_on =
             |point: &[f64; 3], radius: f64| (point[0].hypot(point[1]) / radius - 1.0).abs() < 1e-9;
-        if self.support.is_some() {
-            let places = mesh.points.iter().zip(&mesh.angles);
-            let rests = places
-                .map(|(point, angle)| is_on(point, gear.held_radius) && angle.abs() < stop + 1e-9);
-            mesh.held = rests.collect();
+        match self.what {
+            Feature::Hole(hole) => mesh.hole = Some(hole),
+            Feature::Support(_) => {
+                let places = mesh.points.iter().zip(&mesh.angles);
+                let rests = places
+                    .map(|(point, angle)| is_on(point, held) && angle.abs() < half_angle + 1e-9);
+                mesh.held = rests.collect();
+            }
         }
         mesh.on_held_surface = mesh
             .points
             .iter()
             .map(|point| is_on(point, radius))
             .collect();
-        mesh.foundation = Some(foundation);
-        mesh.hole = self.hole;
+        mesh.foundation = Some(basis.foundation(&gear));
         Ok(mesh)
     }
+}
+
+/// Ends of elements from `from` to `to`, whose sizes are `fine` within `near` and grow away from it up to `largest`.
+fn ends_about([from, to]: [f64; 2], near: [f64; 2], [fine, largest]: [f64; 2]) -> Vec<f64> {
+    let mut near = near.map(|x| x.clamp(from.min(to), from.max(to)));
+    if from > to {
+        near.reverse();
+    }
+    let mut ends = vec![from];
+    let parts = [
+        ([from, near[0]], [largest, fine], largest),
+        (near, [fine; 2], fine),
+        ([near[1], to], [fine, largest], largest),
+    ];
+    for ([low, high], sizes, largest) in parts.into_iter().filter(|([a, b], ..)| a != b) {
+        let parts = graded_from_both((high - low).abs(), sizes, GROWTH, largest);
+        ends.extend(parts[1..].iter().map(|t| low + t * (high - low)));
+    }
+    ends
 }
 
 /// Change of the influences of teeth on a foundation by the body that takes its place.

@@ -450,13 +450,18 @@ pub struct Case<'a> {
 impl<'a> Case<'a> {
     /// With so many packed steps in a mesh cycle.
     pub fn new(packed: &'a Packed, bodies: Bodies, steps: f64) -> Result<Self> {
-        let tick = packed.step / TICKS as f64;
-        let cycles = 1.0 / (steps * packed.step);
         let duration = if bodies.sweep.is_some() {
             SWEEP
         } else {
             DURATION
         };
+        Self::lasting(packed, bodies, steps, duration)
+    }
+
+    /// The same over `duration` s.
+    fn lasting(packed: &'a Packed, bodies: Bodies, steps: f64, duration: f64) -> Result<Self> {
+        let tick = packed.step / TICKS as f64;
+        let cycles = 1.0 / (steps * packed.step);
         let way = Way {
             told: Told::Sequential,
             master: Master::Sequential,
@@ -476,16 +481,14 @@ impl<'a> Case<'a> {
         })
     }
 
+    fn run(&self, way: Way) -> Result<Course> {
+        let Self { packed, bodies, .. } = self;
+        run(packed, bodies, way, self.tick, self.cycles, self.duration)
+    }
+
     /// `None`: unstable.
     pub fn errors(&self, way: Way) -> Result<Option<Errors>> {
-        let found = run(
-            self.packed,
-            &self.bodies,
-            way,
-            self.tick,
-            self.cycles,
-            self.duration,
-        )?;
+        let found = self.run(way)?;
         let last = self.exact.len() - 1;
         let take_up = match self.bodies.sweep {
             Some(_) => last,
@@ -543,6 +546,46 @@ fn swings(p: &Packed, bodies: &Bodies) -> Result<String> {
     ];
     Ok(columns.join(" | "))
 }
+
+/// Ends of the parts of a long run, s, in which errors are shown; in the last one nothing is left of the first steps.
+const SETTLING: [[f64; 2]; 3] = [[14e-3, 24e-3], [54e-3, 64e-3], [134e-3, 144e-3]];
+
+/// What a master is, what the units are told, and the errors, %, in later and later parts of a long run. `None`: unstable.
+pub type Settling = (Master, Told, Option<[f64; 3]>);
+
+/// Of `bodies` that move exactly between the loads, at 160 packed steps a mesh cycle.
+pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
+    let [.., [_, duration]] = SETTLING;
+    let case = Case::lasting(p, bodies, STEPS[4], duration)?;
+    let last = case.exact.len() - 1;
+    let mut found = vec![];
+    for (master, known) in MASTERS {
+        for told in [known, Told::Automatic] {
+            let way = Way {
+                told,
+                master,
+                theta: 0.5,
+                steps: ALIKE,
+                derivatives: false,
+            };
+            let course = case.run(way)?;
+            let errors = course.map(|course| {
+                SETTLING.map(|part| {
+                    let [from, to] = part.map(|t| (t / case.tick) as usize);
+                    error(&course, &case.exact, from..=to.min(last))
+                })
+            });
+            found.push((master, told, errors));
+        }
+    }
+    Ok(found)
+}
+
+/// Masters, and the coupling that says so.
+const MASTERS: [(Master, Told); 2] = [
+    (Master::Sequential, Told::Sequential),
+    (Master::Parallel, Told::Parallel),
+];
 
 /// Everything that hangs on the gears.
 pub fn systems(p: &Packed) -> Vec<Bodies> {
@@ -609,10 +652,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
                 if lengths == BY_TURNS && count < 160.0 {
                     continue;
                 }
-                for (master, known) in [
-                    (Master::Sequential, Told::Sequential),
-                    (Master::Parallel, Told::Parallel),
-                ] {
+                for (master, known) in MASTERS {
                     for theta in [0.0, 0.5, 1.0] {
                         let find = |told: Told| {
                             case.errors(Way {
@@ -687,6 +727,25 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let head = "system | damping of the mesh over the packed one | exact, % | known, sequential, % | automatic, sequential, % \
         | known, parallel, % | automatic, parallel, %";
     data.table("swings", head, &rows)?;
+    let mut rows = vec![];
+    for bodies in systems(&p).into_iter().filter(|b| b.train) {
+        let name = bodies.name;
+        for (master, told, errors) in settling(&p, bodies)? {
+            let cells = errors.map_or(["unstable".into(), "".into(), "".into()], |errors| {
+                errors.map(|e| format!("{e:.3}"))
+            });
+            rows.push(format!(
+                "{name} | {master:?} | {told:?} | {}",
+                cells.join(" | ")
+            ));
+        }
+    }
+    let parts = SETTLING.map(|part| {
+        let [from, to] = part.map(|t| 1e3 * t);
+        format!("{from:.0} to {to:.0} ms, %")
+    });
+    let head = format!("system | master | coupling | {}", parts.join(" | "));
+    data.table("settling", &head, &rows)?;
     let mut rows = vec![];
     for &count in steps {
         let [alike, turns] = [given(&p, count, ALIKE)?, given(&p, count, BY_TURNS)?];

@@ -76,11 +76,11 @@ pub fn stiffness(
 }
 
 /// Elements in the radius of a hole, and in the width of a support or its distance from the cylinder.
-const ELEMENTS: f64 = 5.0;
+pub(super) const ELEMENTS: f64 = 5.0;
 /// Radii of a hole or pin within which elements about its middle do not grow.
-const FINE: f64 = 1.1;
+pub(super) const FINE: f64 = 1.1;
 /// Growth of the elements beyond.
-const GROWTH: f64 = 1.6;
+pub(super) const GROWTH: f64 = 1.6;
 
 /// What comes again all around a body.
 struct Pattern {

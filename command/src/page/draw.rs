@@ -137,11 +137,6 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
         .filter(|c| !matches!(c.style, Style::Dashed(_)))
         .count()
         .max(1);
-    let colour = |i: usize| match own > CURVES.len() {
-        true => shade(0.2 + 0.8 * (i % own) as f64 / own as f64),
-        false => CURVES[i % own],
-    };
-    let step = (740 / (curves.len() + 1)).min(44) as i32;
     drawn(|area| {
         let (plot, legend) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
         let mut chart = ChartBuilder::on(&plot)
@@ -150,31 +145,18 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
             .y_label_area_size(LEFT)
             .build_cartesian_2d(x, y)?;
         axes(&mut chart, [&labels[0], &labels[1]], 8, 0.12)?;
-        let mut next = 40;
-        let mut entry = |style: &Style, line: ShapeStyle, label: &str| -> Result<()> {
-            let (marks, half): (&[_], _) = match style {
-                Style::Solid => (&[[4, 48]], 0),
-                Style::Dashed(_) => (&[[4, 18], [30, 48]], 0),
-                Style::Band(_) => (&[[4, 48]], 12),
-                Style::Dots => (&[[21, 31]], 5),
-            };
-            for [left, right] in marks {
-                let corners = [(*left, next - half), (*right, next + half)];
-                match half {
-                    0 => legend.draw(&PathElement::new(corners, line))?,
-                    _ => legend.draw(&Rectangle::new(corners, line))?,
-                }
-            }
-            let room = 2 * (LEGEND_WIDTH - 58) / label.chars().count().max(1) as u32;
-            let size = room.clamp(18, 32);
-            let corner = (58, next - size as i32 / 2);
-            legend.draw(&Text::new(label, corner, font(size)))?;
-            next += step;
-            Ok(())
+        let mut legend = Legend {
+            area: legend,
+            next: 40,
+            step: (740 / (curves.len() + 1)).min(44) as i32,
         };
         let mut other = None;
         for (i, curve) in curves.iter().enumerate() {
-            let mut style = colour(i).stroke_width(4);
+            let colour = match own > CURVES.len() {
+                true => shade(0.2 + 0.8 * (i % own) as f64 / own as f64),
+                false => CURVES[i % own],
+            };
+            let mut style = colour.stroke_width(4);
             let points = curve.points.iter().copied();
             match &curve.style {
                 Style::Solid => {
@@ -189,23 +171,55 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
                     }
                 }
                 Style::Band(low) => {
-                    style = colour(i).mix(0.25).filled();
+                    style = colour.mix(0.25).filled();
                     let lower = curve.points.iter().zip(low).rev();
                     let corners = points.chain(lower.map(|((x, _), y)| (*x, *y)));
                     chart.draw_series([Polygon::new(corners.collect::<Vec<_>>(), style)])?;
                 }
                 Style::Dots => {
-                    style = colour(i).mix(0.7).filled();
+                    style = colour.mix(0.7).filled();
                     chart.draw_series(points.map(|point| Circle::new(point, 6, style)))?;
                 }
             }
-            entry(&curve.style, style, &curve.label)?;
+            legend.add(&curve.style, style, &curve.label)?;
         }
         match other {
-            Some((style, name)) => entry(style, INK.stroke_width(4), name),
+            Some((style, name)) => legend.add(style, INK.stroke_width(4), name),
             None => Ok(()),
         }
     })
+}
+
+/// The entries beside a plot.
+struct Legend<'a> {
+    area: Area<'a>,
+    /// Height of the next entry, and from one to the next, pixels.
+    next: i32,
+    step: i32,
+}
+
+impl Legend<'_> {
+    fn add(&mut self, style: &Style, line: ShapeStyle, label: &str) -> Result<()> {
+        let (marks, half): (&[_], _) = match style {
+            Style::Solid => (&[[4, 48]], 0),
+            Style::Dashed(_) => (&[[4, 18], [30, 48]], 0),
+            Style::Band(_) => (&[[4, 48]], 12),
+            Style::Dots => (&[[21, 31]], 5),
+        };
+        for [left, right] in marks {
+            let corners = [(*left, self.next - half), (*right, self.next + half)];
+            match half {
+                0 => self.area.draw(&PathElement::new(corners, line))?,
+                _ => self.area.draw(&Rectangle::new(corners, line))?,
+            }
+        }
+        let room = 2 * (LEGEND_WIDTH - 58) / label.chars().count().max(1) as u32;
+        let size = room.clamp(18, 32);
+        let corner = (58, self.next - size as i32 / 2);
+        self.area.draw(&Text::new(label, corner, font(size)))?;
+        self.next += self.step;
+        Ok(())
+    }
 }
 
 fn shade(fraction: f64) -> RGBColor {

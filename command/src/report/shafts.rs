@@ -182,25 +182,23 @@ fn deflections(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
     }
 }
 
-fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
-    let curves = |value: &dyn Fn(&Case, &ShaftState) -> f64| -> Vec<Curve> {
-        solved
+/// A curve for each flank: `value` over the torque.
+fn flanks(solved: &[Solved], value: impl Fn(&Case, &ShaftState) -> f64) -> Vec<Curve> {
+    let curves = solved.iter().map(|(name, cases, _)| {
+        let points = cases
             .iter()
-            .map(|(name, cases, _)| {
-                Curve::new(
-                    *name,
-                    cases.iter().filter_map(|case| {
-                        Some((case.load.torque, value(case, case.shafts.as_ref()?)))
-                    }),
-                )
-            })
-            .collect()
-    };
+            .filter_map(|case| Some((case.load.torque, value(case, case.shafts.as_ref()?))));
+        Curve::new(*name, points)
+    });
+    curves.collect()
+}
+
+fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
     let mut radial = [vec![], vec![]];
     for (i, shaft) in pair.shafts.iter().enumerate() {
         let count = shaft.as_ref().map_or(0, |shaft| shaft.bearings.len());
         for k in 0..count {
-            let forces = curves(&|_, state| {
+            let forces = flanks(solved, |_, state| {
                 let [x, y, _] = state.bearings[i][k].linear;
                 x.hypot(y)
             });
@@ -213,9 +211,9 @@ fn over_torque(pair: &Pair, solved: &[Solved]) -> Vec<Figure> {
     }
     charts! {
         "K_Hbeta over torque", [TORQUE, "K_Hbeta"], Height::Curves(0.1)
-            => curves(&|case, _| case.face_load.face_load_factor());
+            => flanks(solved, |case, _| case.face_load.face_load_factor());
         "Misalignment by the shafts over torque", [TORQUE, "misalignment (mrad)"], Height::Curves(0.01)
-            => curves(&|_, state| 1e3 * state.misalignment);
+            => flanks(solved, |_, state| 1e3 * state.misalignment);
         "Radial forces on the bearings", [TORQUE, "radial force (N)"], Height::FromZero(0.0) => radial.concat();
     }
 }

@@ -350,18 +350,15 @@ impl Setup {
         if !path.exists() {
             return Ok(Vec::new());
         }
-        let wrong = |what: &str| {
-            let path = path.display();
-            format!("{path}: {what}; name another folder, or begin anew with --restart")
-        };
         let text = output::read_text(path)?;
         let mut reader = csv_reader(&text);
         let columns = self.columns();
         let header = reader
             .headers()
-            .map_err(|error| wrong(&error.to_string()))?;
-        if (header.iter()).ne(columns.iter().map(|column| &*column.name)) {
-            return Err(wrong("columns of another study").into());
+            .map_err(|error| unusable(path, &error.to_string()))?;
+        let names: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
+        if header != names {
+            return Err(unusable(path, "columns of another study").into());
         }
         let last = columns.len() - 1;
         // Before it stands what a sample violates, which follows from its results.
@@ -371,26 +368,22 @@ impl Setup {
         let ids = if self.plan.axes.is_empty() { 1 } else { 2 };
         let mut samples: Vec<Sample> = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(|error| wrong(&error.to_string()))?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let record = record.map_err(|error| unusable(path, &error.to_string()))?;
+            let row = Row {
+                path,
+                names: &names,
+                record: &record,
+            };
             let error = &record[last];
-            let refused = |k: usize, what: &str| {
-                let (name, text) = (&columns[k].name, shown(&record[k]));
-                wrong(&format!("line {line}: {name} = {text}: {what}"))
-            };
-            let whole = |k: usize| {
-                (record[k].parse::<usize>()).map_err(|_| refused(k, "not a whole number"))
-            };
-            let number = |k: usize| match record[k].parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value),
-                // A refused sample has no results.
-                Err(_) if k >= results && record[k].is_empty() && !error.is_empty() => Ok(f64::NAN),
-                _ => Err(refused(k, "not a finite number")),
-            };
             let number_of = ids - 1;
-            let point = if ids == 2 { whole(0)? } else { 0 };
-            let sample = whole(number_of)?;
-            let numbers: Vec<f64> = (fields..judged).map(number).collect::<Result<_, _>>()?;
+            let point = if ids == 2 { row.whole(0)? } else { 0 };
+            let sample = row.whole(number_of)?;
+            let numbers = (fields..judged).map(|k| match record[k].is_empty() {
+                // A refused sample has no results.
+                true if k >= results && !error.is_empty() => Ok(f64::NAN),
+                _ => row.number(k),
+            });
+            let numbers: Vec<f64> = numbers.collect::<Result<_>>()?;
             let (values, found) = numbers.split_at(results - fields);
             match samples.last_mut() {
                 // Another torque of the same sample.
@@ -412,9 +405,8 @@ impl Setup {
                 .and_then(|s| s.outcome.as_ref().ok())
                 .map_or(1, Vec::len);
             if rows > self.torques.len() {
-                return Err(
-                    refused(number_of, "stands in more rows than there are torques").into(),
-                );
+                let what = "stands in more rows than there are torques";
+                return Err(row.refused(number_of, what).into());
             }
         }
         let torques = self.torques.len();
@@ -423,10 +415,10 @@ impl Setup {
             .find(|s| s.outcome.as_ref().is_ok_and(|all| all.len() < torques))
         {
             let (point, sample) = (s.point, s.number);
-            return Err(wrong(&format!(
+            let what = format!(
                 "sample {sample} of point {point} has fewer rows than the {torques} torques"
-            ))
-            .into());
+            );
+            return Err(unusable(path, &what).into());
         }
         Ok(samples)
     }
@@ -483,4 +475,35 @@ impl Setup {
             fields: fields.zip(plan.values(point, 0, 0)).collect(),
         }))
     }
+}
+
+/// A row of the file of samples.
+struct Row<'a> {
+    path: &'a Path,
+    /// Those of the columns.
+    names: &'a [&'a str],
+    record: &'a csv::StringRecord,
+}
+
+impl Row<'_> {
+    fn refused(&self, k: usize, what: &str) -> String {
+        let line = self.record.position().map_or(0, csv::Position::line);
+        let (name, text) = (self.names[k], shown(&self.record[k]));
+        unusable(self.path, &format!("line {line}: {name} = {text}: {what}"))
+    }
+
+    fn whole(&self, k: usize) -> Result<usize> {
+        let whole = self.record[k].parse();
+        whole.map_err(|_| self.refused(k, "not a whole number").into())
+    }
+
+    fn number(&self, k: usize) -> Result<f64> {
+        let value = self.record[k].parse::<f64>().ok().filter(|v| v.is_finite());
+        value.ok_or_else(|| self.refused(k, "not a finite number").into())
+    }
+}
+
+fn unusable(path: &Path, what: &str) -> String {
+    let path = path.display();
+    format!("{path}: {what}; name another folder, or begin anew with --restart")
 }

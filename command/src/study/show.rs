@@ -201,21 +201,29 @@ impl Summary<'_> {
         let point = all.last().map_or(0, |s| s.point);
         let statistics = all.iter().filter(|s| s.point == point);
         let statistics: Vec<&Statistics> = statistics.take(self.setup.outcomes.len()).collect();
-        let mut text = String::new();
-        let mut correlations = |head: &str, values: fn(&Statistics) -> &[f64]| {
-            let fields = &self.setup.plan.fields;
-            let mut all = columns! { |v: &&Variation| "", [head, "", None] => v.field.clone(); };
-            for (s, outcome) in statistics.iter().zip(&self.setup.outcomes) {
-                // What has no head stays out.
-                all.extend(columns! { |v: &&Variation|
-                    "", [&outcome.head, "", 2] => fields.iter().zip(values(s)).find(|(f, _)| f.0 == v.field).map(|(_, c)| *c);
-                });
-            }
-            text += &format!("\n{}", table(&all, &self.setup.plan.drawn));
-        };
-        correlations("correlation with", |s| &s.correlation);
-        correlations("of the distance from drawn", |s| &s.correlation_of_distance);
-        text + CORRELATIONS
+        let over_fields =
+            self.correlation_table("correlation with", &statistics, |s| &s.correlation);
+        let head = "of the distance from drawn";
+        let of_distance = self.correlation_table(head, &statistics, |s| &s.correlation_of_distance);
+        format!("\n{over_fields}\n{of_distance}{CORRELATIONS}")
+    }
+
+    /// A row for each field that is drawn; of each of the `statistics` a column of `values`.
+    fn correlation_table(
+        &self,
+        head: &str,
+        statistics: &[&Statistics],
+        values: fn(&Statistics) -> &[f64],
+    ) -> String {
+        let fields = &self.setup.plan.fields;
+        let mut all = columns! { |v: &&Variation| "", [head, "", None] => v.field.clone(); };
+        for (s, outcome) in statistics.iter().zip(&self.setup.outcomes) {
+            // What has no head stays out.
+            all.extend(columns! { |v: &&Variation|
+                "", [&outcome.head, "", 2] => fields.iter().zip(values(s)).find(|(f, _)| f.0 == v.field).map(|(_, c)| *c);
+            });
+        }
+        table(&all, &self.setup.plan.drawn)
     }
 
     pub fn page(&self, text: &str, origin: String) -> Page {
@@ -295,16 +303,21 @@ impl Summary<'_> {
         let name = self.setup.measured();
         let ranking = self.setup.ranking(&self.done);
         let meeting: BTreeMap<usize, f64> = ranking.into_iter().collect();
-        let value = |point: &usize| measure.of(&self.done, *point).unwrap_or(f64::NAN);
         let points: Vec<usize> = (1..=plan.points()).collect();
         let (met, violating): (Vec<usize>, Vec<usize>) =
             points.iter().partition(|point| meeting.contains_key(point));
         let dots = |x: &dyn Fn(usize) -> f64| {
             let all = [("tried", &met), ("violates a requirement", &violating)].into_iter();
             let all = all.filter(|(_, points)| !points.is_empty());
-            let curves = all.map(|(label, points)| Curve {
-                style: Style::Dots,
-                ..Curve::new(label, points.iter().map(|point| (x(*point), value(point))))
+            let curves = all.map(|(label, points)| {
+                let points = points.iter().map(|&point| {
+                    let value = measure.of(&self.done, point).unwrap_or(f64::NAN);
+                    (x(point), value)
+                });
+                Curve {
+                    style: Style::Dots,
+                    ..Curve::new(label, points)
+                }
             });
             curves.collect::<Vec<_>>()
         };

@@ -57,7 +57,6 @@ impl Requested {
     }
 
     fn of(text: &str) -> Option<Requested> {
-        let number = |text: &str| limits::finite(text).ok();
         let Some((fields, range)) = text.split_once('=') else {
             let is_field = !text.is_empty() && !text.contains([',', ' ']);
             return is_field.then(|| Requested {
@@ -69,7 +68,7 @@ impl Requested {
         let (mut points, mut optimized) = (None, false);
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
         let [low, high] = if let Some(tolerance) = tolerance {
-            let high = number(tolerance)?.abs();
+            let high = limits::finite(tolerance).ok()?.abs();
             [-high, high]
         } else {
             let (low, mut high) = range.split_once("..")?;
@@ -81,7 +80,7 @@ impl Requested {
                     points = Some(count.filter(|n| (2..=1000).contains(n))?);
                 }
             }
-            [number(low)?, number(high)?]
+            [limits::finite(low).ok()?, limits::finite(high).ok()?]
         };
         // Drawn fields share no value.
         let is_named = field.split(',').all(|field| !field.is_empty())

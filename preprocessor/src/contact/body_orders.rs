@@ -34,19 +34,25 @@ pub fn body_orders(
     if pair.bodies.iter().all(Option::is_none) {
         return Ok(None);
     }
-    let of_flank = |flank| -> Result<[Vec<BodyOrder>; 2], ContactError> {
-        let places = (0..POSITIONS).into_par_iter();
-        let turns = places.map(|i| Turn::new(pair, solver, flank, i as f64 / POSITIONS as f64));
-        let turns = turns.collect::<Result<Vec<_>, _>>()?;
-        let compliances = turns.iter().map(|turn| turn.mesh_compliance);
-        let left_out = LEFT_OUT * compliances.sum::<f64>() / POSITIONS as f64;
-        let lever = LEVER * pair.geometry.face_overlap().1;
-        Ok([0, 1].map(|gear| orders(&in_order(&turns, gear), lever, left_out)))
-    };
     Ok(Some(BodyOrders {
-        drive: of_flank(Flank::Drive)?,
-        coast: of_flank(Flank::Coast)?,
+        drive: on_flank(pair, solver, Flank::Drive)?,
+        coast: on_flank(pair, solver, Flank::Coast)?,
     }))
+}
+
+/// Those of both bodies on `flank`.
+fn on_flank(
+    pair: &Pair,
+    solver: &ContactSolver,
+    flank: Flank,
+) -> Result<[Vec<BodyOrder>; 2], ContactError> {
+    let places = (0..POSITIONS).into_par_iter();
+    let turns = places.map(|i| Turn::new(pair, solver, flank, i as f64 / POSITIONS as f64));
+    let turns = turns.collect::<Result<Vec<_>, _>>()?;
+    let compliances = turns.iter().map(|turn| turn.mesh_compliance);
+    let left_out = LEFT_OUT * compliances.sum::<f64>() / POSITIONS as f64;
+    let lever = LEVER * pair.geometry.face_overlap().1;
+    Ok([0, 1].map(|gear| orders(&in_order(&turns, gear), lever, left_out)))
 }
 
 /// A turn of both bodies at one mesh position.
@@ -95,15 +101,16 @@ impl Turn {
             let by_moment = patterns[(i, 1)];
             patterns[(i, 0)] = (segment.force - by_moment * found.moment) / found.loa_force;
         }
-        let of_gear = |gear| -> Result<Vec<Parts>, ContactError> {
+        let mut gears = [vec![], vec![]];
+        for (gear, parts) in gears.iter_mut().enumerate() {
             let found = solver.beyond_mean_body(flank, &problem, gear, &patterns)?;
-            let parts = (found.into_iter().flatten())
-                .map(|c| [c[(0, 0)], 0.5 * (c[(0, 1)] + c[(1, 0)]), c[(1, 1)]]);
-            Ok(parts.collect())
-        };
+            *parts = (found.into_iter().flatten())
+                .map(|c| [c[(0, 0)], 0.5 * (c[(0, 1)] + c[(1, 0)]), c[(1, 1)]])
+                .collect();
+        }
         Ok(Turn {
             mesh_compliance: 1.0 / by_approach,
-            gears: [of_gear(0)?, of_gear(1)?],
+            gears,
         })
     }
 }
@@ -114,24 +121,25 @@ fn orders(samples: &[Parts], lever: f64, left_out: f64) -> Vec<BodyOrder> {
     let mut all: Vec<BodyOrder> = (1..samples.len().div_ceil(2))
         .map(|order| of_order(samples, order))
         .collect();
-    // Squares of the approaches by a force at the lever, as its parts make them.
-    let size = |part: &BodyOrder| {
-        let squares = part.parts().map(|[a, b]| a * a + b * b);
-        squares[0] + (2.0 * lever).powi(2) * squares[1] + lever.powi(4) * squares[2]
-    };
-    all.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    let mut left: f64 = all.iter().map(size).sum();
+    all.sort_by(|a, b| square(b, lever).total_cmp(&square(a, lever)));
+    let mut left: f64 = all.iter().map(|part| square(part, lever)).sum();
     let count = all
         .iter()
         .take_while(|part| {
             let is_needed = 0.5 * left > left_out * left_out;
-            left -= size(part);
+            left -= square(part, lever);
             is_needed
         })
         .count();
     all.truncate(count);
     all.sort_by_key(|part| part.order);
     all
+}
+
+/// Squares of the approaches by a force at the `lever` (m), as the parts of `order` make them.
+fn square(order: &BodyOrder, lever: f64) -> f64 {
+    let squares = order.parts().map(|[a, b]| a * a + b * b);
+    squares[0] + (2.0 * lever).powi(2) * squares[1] + lever.powi(4) * squares[2]
 }
 
 fn of_order(samples: &[Parts], order: usize) -> BodyOrder {

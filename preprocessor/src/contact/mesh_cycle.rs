@@ -235,10 +235,12 @@ impl MeshCycle {
         let mut fewest = ENOUGH_SEGMENTS;
         let mut values = Vec::new();
         let pressure: fn(&SegmentLoad) -> f64 = |segment| segment.pressure;
-        let edge = |segment: &SegmentLoad| segment.edge.map_or(0.0, |edge| edge.line_load);
         for (value, name) in [
             (pressure, "the largest flank pressure"),
-            (edge, "the largest line load at a tip edge"),
+            (
+                |segment| segment.edge.map_or(0.0, |edge| edge.line_load),
+                "the largest line load at a tip edge",
+            ),
         ] {
             let lines = self.results.iter().map(|result| &result.segments);
             let all = lines.flat_map(|line| line.iter().map(move |top| (line, top)));

@@ -80,9 +80,11 @@ impl FlankGrid {
         let length = segment.z[1] - segment.z[0];
         let layers = cells(&self.stations, segment.z);
         // Nodes of these layers follow on each other.
-        let in_front = |layer: usize| layer * (3 * (self.arcs.len() - 1) + 2);
-        let first = layers.first().map_or(0, |(layer, ..)| in_front(*layer));
-        let end = layers.last().map_or(0, |(layer, ..)| in_front(layer + 2));
+        let of_layer = 3 * (self.arcs.len() - 1) + 2;
+        let first = layers.first().map_or(0, |(layer, ..)| layer * of_layer);
+        let end = layers
+            .last()
+            .map_or(0, |(layer, ..)| (layer + 2) * of_layer);
         let mut sum = vec![0.0; end.min(self.len()) - first];
         for (layer, low, high) in layers {
             for (x, weight) in GAUSS3 {
@@ -148,10 +150,10 @@ pub(super) fn face_nodes(
     layer: usize,
     plane: bool,
 ) -> impl Iterator<Item = (usize, &'static [f64; 3])> {
-    let half = |c: f64| (1.0 + c) as usize;
     let nodes = QUAD8.iter().filter(move |c| !plane || c[1] == -1.0);
     nodes.map(move |c| {
-        let (i, k) = (2 * element + half(c[0]), 2 * layer + half(c[1]));
+        let [along, across] = [c[0], c[1]].map(|c| (1.0 + c) as usize);
+        let (i, k) = (2 * element + along, 2 * layer + across);
         let within = match k.is_multiple_of(2) {
             true => i,
             false => 2 * elements + 1 + i / 2,
@@ -282,8 +284,12 @@ fn bump(t: f64) -> f64 {
 
 /// Centre of mass of [`bump`] between `low` and `high`.
 fn mean(low: f64, high: f64) -> f64 {
-    let first = |t: f64| 15.0 / 16.0 * t * t * (0.5 - 0.5 * t * t + t.powi(4) / 6.0);
-    (first(high) - first(low)) / (cumulative(high) - cumulative(low))
+    (first_moment(high) - first_moment(low)) / (cumulative(high) - cumulative(low))
+}
+
+/// Integral of t [`bump`] from 0 to t.
+fn first_moment(t: f64) -> f64 {
+    15.0 / 16.0 * t * t * (0.5 - 0.5 * t * t + t.powi(4) / 6.0)
 }
 
 /// Integral of [`bump`] from 0 to t.

@@ -194,16 +194,20 @@ pub fn centre_line_compliance(
 fn shape_functions_at(mesh: &Mesh, x: f64) -> Option<Vec<(usize, f64)>> {
     mesh.elements.iter().find_map(|nodes| {
         let corners = mesh.coordinates(nodes);
-        let shapes = |xi: Vector2<f64>| QUAD8.map(|c| shape(2, &c, &[xi[0], xi[1], 0.0]));
         let mut xi = Vector2::zeros();
         for _ in 0..20 {
-            let (place, tangents) = place_and_tangents(&shapes(xi), &corners);
+            let (place, tangents) = place_and_tangents(&shapes(&xi), &corners);
             let jacobian = Matrix2::from_columns(&[tangents[0].xy(), tangents[1].xy()]);
             xi -= jacobian.try_inverse()? * (place.xy() - Vector2::new(x, 0.0));
             xi = xi.map(|v| v.clamp(-2.0, 2.0));
         }
-        let shapes = nodes.iter().zip(shapes(xi));
+        let shapes = nodes.iter().zip(shapes(&xi));
         let weights = shapes.map(|(node, (n, _))| (*node, n));
         (xi.amax() <= 1.0 + 1e-9).then(|| weights.collect())
     })
+}
+
+/// Shape functions of a plane element at its local coordinates `xi`.
+fn shapes(xi: &Vector2<f64>) -> [(f64, [f64; 3]); 8] {
+    QUAD8.map(|c| shape(2, &c, &[xi[0], xi[1], 0.0]))
 }

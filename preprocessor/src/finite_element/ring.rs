@@ -129,7 +129,7 @@ impl<'a> Waves<'a> {
     pub fn response(
         &self,
         order: usize,
-        [real, imaginary]: [Option<usize>; 2],
+        parts: [Option<usize>; 2],
         count: usize,
     ) -> DMatrix<Complex<f64>> {
         // Harmonics n and z - n are conjugate.
@@ -147,15 +147,14 @@ impl<'a> Waves<'a> {
             let [re, im] = [0, 1].map(|part| lower[(row, 2 * column + part)]);
             Complex::new(re, sense * im)
         });
-        let complex = |matrix: &DMatrix<f64>| {
-            let part = |first: Option<usize>| {
-                let columns = first.map(|first| matrix.columns(first, count).into_owned());
-                columns.unwrap_or_else(|| DMatrix::zeros(matrix.nrows(), count))
-            };
-            part(real).zip_map(&part(imaginary), Complex::new)
-        };
-        let half = ring * complex(&self.sides.loads);
-        let held = complex(&self.sector.held_influence);
+        let [loads, held] = [&self.sides.loads, &self.sector.held_influence].map(|matrix| {
+            let [real, imaginary] = parts.map(|first| match first {
+                Some(first) => matrix.columns(first, count).into_owned(),
+                None => DMatrix::zeros(matrix.nrows(), count),
+            });
+            real.zip_map(&imaginary, Complex::new)
+        });
+        let half = ring * loads;
         let by_parts = |part: fn(&Complex<f64>) -> f64| {
             let half = half.map(|x| part(&x));
             product(self.sides.functionals.as_view(), half.as_view()) * self.sides.unit
@@ -340,11 +339,11 @@ impl Places {
     /// The harmonics with their weights in the influences up to `reach` teeth away.
     fn weighed(&self, reach: usize) -> Vec<Solved> {
         let top = self.teeth / 2;
-        let unweighed = |harmonic: &usize| Solved {
-            harmonic: *harmonic,
+        let unweighed = self.solved.iter().map(|&harmonic| Solved {
+            harmonic,
             weights: vec![[0.0; 2]; reach + 1],
-        };
-        let mut found: Vec<Solved> = self.solved.iter().map(unweighed).collect();
+        });
+        let mut found: Vec<Solved> = unweighed.collect();
         for n in 0..=top {
             // Harmonics n and z - n are conjugate.
             let alone = n == 0 || 2 * n == self.teeth;

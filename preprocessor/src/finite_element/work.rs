@@ -22,18 +22,16 @@ pub(super) fn work_between(
     wanted: &[Range<usize>],
 ) -> DMatrix<f64> {
     let mut work = DMatrix::zeros(rows.len(), columns.len());
-    let of_tooth = |loads: &[FlankLoad], tooth: i32| -> Vec<usize> {
-        (0..loads.len())
-            .filter(|i| loads[*i].tooth == tooth)
-            .collect()
-    };
     let mut teeth: Vec<i32> = rows.iter().map(|load| load.tooth).collect();
     teeth.sort_unstable();
     teeth.dedup();
     for tooth in &teeth {
         for other in &teeth {
-            let mut loads = of_tooth(columns, *other);
-            let mut observed = of_tooth(rows, *tooth);
+            let [mut observed, mut loads] =
+                [(rows, tooth), (columns, other)].map(|(all, tooth)| {
+                    let of_tooth = (0..all.len()).filter(|i| all[*i].tooth == *tooth);
+                    of_tooth.collect::<Vec<_>>()
+                });
             observed.retain(|i| loads.iter().any(|j| wanted[*i].contains(j)));
             loads.retain(|j| observed.iter().any(|i| wanted[*i].contains(j)));
             if loads.is_empty() {

@@ -22,8 +22,8 @@ pub(super) fn of_pair(
     geometry: &PairGeometry,
     folder: &Path,
 ) -> Result<[Option<UnevenBody>; 2], Refusals> {
-    let of = |i: usize| of_gear(file.gear(i), &geometry.gears[i], i, folder);
-    both(of(0), of(1)).map(|(one, two)| [one, two])
+    let [one, two] = [0, 1].map(|i| of_gear(file.gear(i), &geometry.gears[i], i, folder));
+    both(one, two).map(|(one, two)| [one, two])
 }
 
 fn of_gear(
@@ -341,25 +341,7 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
     };
     let lines = text.lines().enumerate().skip(1);
     let mut lines = lines.filter(|(_, line)| !line.starts_with('%') && !line.trim().is_empty());
-    let mut numbers = |count: usize| -> Result<Option<Vec<f64>>, String> {
-        let Some((number, line)) = lines.next() else {
-            return Ok(None);
-        };
-        let found: Vec<f64> = line
-            .split_whitespace()
-            .filter_map(|word| word.parse().ok())
-            .collect();
-        let is_fine = found.len() == count && found.iter().all(|x| x.is_finite());
-        match is_fine {
-            true => Ok(Some(found)),
-            false => Err(format!(
-                "has `{}` in line {}, where {count} numbers belong",
-                line.chars().take(60).collect::<String>(),
-                number + 1
-            )),
-        }
-    };
-    let size = numbers(if is_dense { 2 } else { 3 })?.ok_or("has no size")?;
+    let size = numbers(lines.next(), if is_dense { 2 } else { 3 })?.ok_or("has no size")?;
     let [rows, columns] = [size[0] as usize, size[1] as usize];
     if rows.max(columns) > 3 * MOST_NODES {
         return Err(format!("has {rows} rows and {columns} columns"));
@@ -371,16 +353,15 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
             matrix[(j, i)] += value;
         }
     };
-    let short = || "ends too early".to_owned();
     if is_dense {
         for j in 0..columns {
             for i in if is_symmetric { j } else { 0 }..rows {
-                set(i, j, numbers(1)?.ok_or_else(short)?[0]);
+                set(i, j, numbers(lines.next(), 1)?.ok_or(TOO_SHORT)?[0]);
             }
         }
     } else {
         for _ in 0..size[2] as usize {
-            let entry = numbers(3)?.ok_or_else(short)?;
+            let entry = numbers(lines.next(), 3)?.ok_or(TOO_SHORT)?;
             let [i, j] = [entry[0], entry[1]].map(|at| at as usize);
             if !(1..=rows).contains(&i) || !(1..=columns).contains(&j) {
                 return Err(format!("has an entry at row {i}, column {j}"));
@@ -388,9 +369,31 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
             set(i - 1, j - 1, entry[2]);
         }
     }
-    match numbers(1) {
-        Ok(None) => Ok(matrix),
-        _ => Err("goes on after its last number".into()),
+    match lines.next() {
+        None => Ok(matrix),
+        Some(_) => Err("goes on after its last number".into()),
+    }
+}
+
+const TOO_SHORT: &str = "ends too early";
+
+/// The `count` numbers in a `line`, which has its place in the text before it.
+fn numbers(line: Option<(usize, &str)>, count: usize) -> Result<Option<Vec<f64>>, String> {
+    let Some((place, line)) = line else {
+        return Ok(None);
+    };
+    let found: Vec<f64> = line
+        .split_whitespace()
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let is_fine = found.len() == count && found.iter().all(|x| x.is_finite());
+    match is_fine {
+        true => Ok(Some(found)),
+        false => Err(format!(
+            "has `{}` in line {}, where {count} numbers belong",
+            line.chars().take(60).collect::<String>(),
+            place + 1
+        )),
     }
 }
 

@@ -467,12 +467,16 @@ const ODD_BACKLASH: f64 = 3.0;
 /// drawing.
 const ODD_SHIFT: f64 = 0.02;
 
+/// `length` (m) in whole micrometres.
+fn um(length: f64) -> String {
+    fixed(length / UM, 0)
+}
+
 /// A note on teeth whose thickness does not fit the centre distance.
 pub(super) fn odd_thickness(file: &PairFile, geometry: &PairGeometry) -> Option<String> {
     let (c, gears) = (geometry.center_distance, &geometry.gears);
     let module = gears[0].normal_module;
     let phi = geometry.operating_pressure_angle(c);
-    let um = |length: f64| fixed(length / UM, 0);
     let thinned = (gears[0].tooth_thinning + gears[1].tooth_thinning) / phi.cos();
     let lacking = thinned - geometry.backlash(c) / phi.cos();
     if lacking > ODD_SHIFT * module {

@@ -96,16 +96,18 @@ impl Flanks<'_> {
             }};
         }
         let um = |given: Option<(String, &f64)>| given.map_or(0.0, |(_, um)| um * UM);
-        let end = |field: fn(&FlankFile) -> &Option<EndReliefFile>| {
-            let [own, common] =
-                [&own, &common].map(|f| field(f).as_ref().or(f.end_relief.as_ref()));
+        // What the flank says of this end, else of both; else what the gear says.
+        let ends: [fn(&FlankFile) -> &Option<EndReliefFile>; 2] =
+            [|f| &f.lower_end_relief, |f| &f.upper_end_relief];
+        let end_relief = ends.map(|end| {
+            let [own, common] = [&own, &common].map(|f| end(f).as_ref().or(f.end_relief.as_ref()));
             let relief = own.or(common).filter(|r| r.amount_um > 0.0)?;
             Some(EndRelief {
                 amount: relief.amount_um * UM,
                 length: relief.length_mm * MM,
                 shape: relief.shape,
             })
-        };
+        });
         let rolls = self.active();
         let slope = ProfileSlope {
             amount: um(given!(profile_slope_um)),
@@ -131,7 +133,7 @@ impl Flanks<'_> {
             profile_slope: (slope.amount != 0.0 || slope.bias != 0.0).then_some(slope),
             lead_crowning: um(given!(lead_crowning_um)),
             lead_slope: um(given!(lead_slope_um)),
-            end_relief: [end(|f| &f.lower_end_relief), end(|f| &f.upper_end_relief)],
+            end_relief,
         })
     }
 
@@ -204,8 +206,8 @@ impl Flanks<'_> {
         let ([rolls, zs], face) = (grid.range(), [0.0, gear.face_width]);
         for (name, range, flank) in [("roll_mm", rolls, active), ("z_mm", zs, face)] {
             let covered = range[1].min(flank[1]) - range[0].max(flank[0]);
-            let mm = |m: f64| rounded((m * 1e6).round() * 1e-3);
-            let ([first, last], [from, to]) = (range.map(mm), flank.map(mm));
+            let [[first, last], [from, to]] =
+                [range, flank].map(|ends| ends.map(|m| rounded((m * 1e6).round() * 1e-3)));
             ensure!(covered >= (1.0 - BEYOND) * (flank[1] - flank[0]), field => &shown;
                 "{name} runs from {first} to {last}, and the flank from {from} to {to} mm";
                 "give a grid that covers three quarters of the active profile and of the face at least; check its units");
@@ -289,8 +291,7 @@ const GRID: &str = "give CSV with a header and commas between its columns, roll_
 /// The grid in `text`, or what is wrong with it.
 fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
     let mut reader = csv_reader(text);
-    let broken = |error: csv::Error| error.to_string();
-    let header = reader.headers().map_err(broken)?.clone();
+    let header = reader.headers().map_err(|e| e.to_string())?.clone();
     let column = |name: &str| header.iter().position(|h| h == name);
     let (roll, diameter) = (column("roll_mm"), column("diameter_mm"));
     let columns = (roll.or(diameter), column("z_mm"), column("removal_um"));
@@ -304,7 +305,7 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
     // Sorted by the bits of numbers that are not negative.
     let mut rows: BTreeMap<[u64; 2], f64> = BTreeMap::new();
     for record in reader.records() {
-        let record = record.map_err(broken)?;
+        let record = record.map_err(|e| e.to_string())?;
         let line = record.position().map_or(0, csv::Position::line);
         let number = |column: usize| {
             let (name, cell) = (&header[column], record.get(column).unwrap_or(""));

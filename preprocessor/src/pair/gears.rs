@@ -48,19 +48,23 @@ pub(super) fn unshifted(file: &PairFile, i: usize, helix: f64) -> Gear {
 
 /// Sets tip circle, tip form circle, and bore or outer rim.
 pub(super) fn set_circles(g: &GearFile, gear: &mut Gear) {
-    let radius = |diameter_mm: f64| 0.5 * diameter_mm * MM;
     let addendum = gear.kappa() * g.addendum_coefficient.unwrap_or(1.0);
     let tip = gear.reference_radius() + gear.normal_module * (gear.profile_shift + addendum);
-    gear.tip_radius = g.tip_diameter_mm.map_or(tip, radius);
+    gear.tip_radius = g.tip_diameter_mm.map_or(tip, radius_of);
     if let Some(mm) = g.tip_form_diameter_mm {
-        gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
+        gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius_of(mm));
     }
-    gear.root_form_radius = g.root_form_diameter_mm.map(radius);
+    gear.root_form_radius = g.root_form_diameter_mm.map(radius_of);
     let (held, usual) = match gear.kind {
         GearKind::External => (g.bore_diameter_mm, usual_bore(g, gear)),
         GearKind::Ring => (g.rim_diameter_mm, default_held_radius(gear)),
     };
-    gear.held_radius = held.map_or(usual, radius);
+    gear.held_radius = held.map_or(usual, radius_of);
+}
+
+/// m, of a diameter in mm.
+fn radius_of(diameter_mm: f64) -> f64 {
+    0.5 * diameter_mm * MM
 }
 
 /// Radius at which `gear` is held where its file says nothing of it, m.
@@ -77,7 +81,7 @@ fn usual_bore(g: &GearFile, gear: &Gear) -> f64 {
     let root = gear.root_radius();
     let shaft = g.shaft.as_ref().filter(|shaft| !shaft.has_pieces());
     let diameter = shaft.and_then(|shaft| shaft.diameter_at(0.5 * g.face_width_mm));
-    let radius = diameter.map(|mm| 0.5 * mm * MM);
+    let radius = diameter.map(radius_of);
     radius
         .filter(|r| *r > 0.0 && *r <= root - LEAST_RIM * gear.normal_module)
         .unwrap_or_else(|| default_held_radius(gear))
@@ -88,20 +92,23 @@ const USUAL_ROUND: f64 = 0.38;
 
 /// A note where the usual tip radius has no room in the tooth space of gear `i`, which then gets the largest twentieth that has.
 pub(super) fn shrink_default_round(g: &GearFile, gear: &mut Gear, i: usize) -> Option<String> {
-    let is_too_large = |gear: &Gear| ToothProfile::new(gear) == Err(ProfileError::RoundTooLarge);
-    if g.tool_tip_radius_coefficient.is_some() || !is_too_large(gear) {
+    if g.tool_tip_radius_coefficient.is_some() || !is_round_too_large(gear) {
         return None;
     }
     let smaller = (0..8).rev().map(|twentieths| Gear {
         tool_tip_radius_coefficient: f64::from(twentieths) / 20.0,
         ..gear.clone()
     });
-    *gear = smaller.into_iter().find(|gear| !is_too_large(gear))?;
+    *gear = smaller.into_iter().find(|gear| !is_round_too_large(gear))?;
     let radius = gear.tool_tip_radius_coefficient;
     let name = in_gear(i, "tool_tip_radius_coefficient");
     Some(format!(
         "`{name}` = {radius}, as the usual {USUAL_ROUND} does not fit into the tooth space; give that of the tool"
     ))
+}
+
+fn is_round_too_large(gear: &Gear) -> bool {
+    ToothProfile::new(gear) == Err(ProfileError::RoundTooLarge)
 }
 
 /// The field that sets the tip circle of gear `i`, and its value.

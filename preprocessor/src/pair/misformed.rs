@@ -266,6 +266,11 @@ const LETTERS: &str = "a center_distance_mm alpha normal_pressure_angle_deg b fa
     m normal_module_mm mdk dimension_over_balls_mm mn normal_module_mm nu poisson_ratio pz lead_mm \
     sn normal_tooth_thickness_mm wk span_measurement_mm x profile_shift z teeth";
 
+/// From 0 to 1, by slips of the hand and by parts that are missing.
+fn likeness(a: &str, b: &str) -> f64 {
+    strsim::normalized_damerau_levenshtein(a, b).max(strsim::sorensen_dice(a, b))
+}
+
 /// The name that `given` is probably meant to be.
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase().replace("centre", "center");
@@ -277,10 +282,6 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     if let Some(name) = names.iter().find(|name| Some(**name) == meant) {
         return Some(name);
     }
-    // Slips of the hand, and names of which a part is missing.
-    let alike = |a: &str, b: &str| {
-        strsim::normalized_damerau_levenshtein(a, b).max(strsim::sorensen_dice(a, b))
-    };
     // The first of those that are equally near.
     let rated = names.iter().rev().map(|&name| {
         // Words in common at the end, such as the unit, do not make a name.
@@ -289,9 +290,9 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
             .map(|(word, _)| word.len() + 1)
             .sum();
         let [a, b] = [&given[..], name].map(|all| &all[..all.len().saturating_sub(shared)]);
-        let likeness = match !a.is_empty() && !b.is_empty() && alike(a, b) < 0.5 {
+        let likeness = match !a.is_empty() && !b.is_empty() && likeness(a, b) < 0.5 {
             true => 0.0,
-            false => alike(&given, name),
+            false => likeness(&given, name),
         };
         (likeness, name)
     });

@@ -401,16 +401,19 @@ impl PairDraft {
     /// The text of a pair file with these fields, for any folder: files that it names stand with their whole path.
     pub fn to_json(&self) -> String {
         fn kept(value: &Value, folder: &Path) -> Value {
-            let field = |(name, value): (&String, &Value)| match value {
-                Value::Null => None,
-                Value::String(file) if name.ends_with("_file") => {
-                    let path = std::path::absolute(folder.join(file)).unwrap_or(file.into());
-                    Some((name.clone(), path.to_string_lossy().into()))
-                }
-                value => Some((name.clone(), kept(value, folder))),
-            };
             match value {
-                Value::Object(fields) => Value::Object(fields.iter().filter_map(field).collect()),
+                Value::Object(fields) => {
+                    let fields = fields.iter().filter_map(|(name, value)| match value {
+                        Value::Null => None,
+                        Value::String(file) if name.ends_with("_file") => {
+                            let path =
+                                std::path::absolute(folder.join(file)).unwrap_or(file.into());
+                            Some((name.clone(), path.to_string_lossy().into()))
+                        }
+                        value => Some((name.clone(), kept(value, folder))),
+                    });
+                    Value::Object(fields.collect())
+                }
                 Value::Array(values) => values.iter().map(|value| kept(value, folder)).collect(),
                 value => value.clone(),
             }

@@ -104,18 +104,19 @@ impl History {
 /// Amplitude of cos(phase) in `signal` over `rows` under a Hann window, without the mean.
 fn amplitude(signal: &[f64], rows: &Range<usize>, phase: impl Fn(usize) -> f64) -> f64 {
     let n = rows.len() as f64;
-    let weight = |k: usize| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n).cos();
-    let weights: f64 = (0..rows.len()).map(weight).sum();
+    let window = (0..rows.len()).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n).cos());
+    let window: Vec<f64> = window.collect();
+    let weights: f64 = window.iter().sum();
     let mean = rows
         .clone()
-        .enumerate()
-        .map(|(k, i)| weight(k) * signal[i])
+        .zip(&window)
+        .map(|(i, weight)| weight * signal[i])
         .sum::<f64>()
         / weights;
     let (mut real, mut imaginary) = (0.0, 0.0);
-    for (k, i) in rows.clone().enumerate() {
+    for (i, weight) in rows.clone().zip(&window) {
         let (sin, cos) = phase(i).sin_cos();
-        let value = weight(k) * (signal[i] - mean);
+        let value = weight * (signal[i] - mean);
         real += value * cos;
         imaginary += value * sin;
     }

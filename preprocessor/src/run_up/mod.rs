@@ -164,42 +164,41 @@ impl Sweep {
 
     fn check(&self, duration: f64, step: f64) -> Result<(), Refusal> {
         let [low, high] = self.speeds;
-        let refuse = |reason: String| Err(Refusal::error(reason));
         if !(low >= 0.0 && low < high && high.is_finite()) {
-            return refuse(format!(
+            return refused(format!(
                 "speeds {low} to {high} rad/s: give the lowest, 0 or more, and a higher one"
             ));
         }
         let [one, two] = self.inertia;
         if !(one > 0.0 && two > 0.0 && one.min(two).is_finite()) {
-            return refuse(format!(
+            return refused(format!(
                 "moments of inertia {one} and {two} kg m2: give two numbers > 0, of which one may be infinite"
             ));
         }
         if !(self.torque != 0.0 && self.torque.is_finite()) {
-            return refuse(format!(
+            return refused(format!(
                 "torque {} N m: give a number other than 0",
                 self.torque
             ));
         }
         if !(self.damping_ratio >= 0.0 && self.damping_ratio < 1.0) {
-            return refuse(format!(
+            return refused(format!(
                 "damping ratio {}: give a number from 0 to below 1",
                 self.damping_ratio
             ));
         }
         if !(duration > 0.0 && duration.is_finite()) {
-            return refuse(format!(
+            return refused(format!(
                 "time of each way {duration} s: without damping nothing decays, give a time > 0"
             ));
         }
         if !(step > 0.0 && step < duration) {
-            return refuse(format!(
+            return refused(format!(
                 "step {step} s: give a step > 0 and below the time of each way, {duration} s"
             ));
         }
         if 2.0 * duration / step > MOST_STEPS {
-            return refuse(format!(
+            return refused(format!(
                 "{:.2e} steps of {step:.2e} s: give less time for each way, or lower speeds",
                 2.0 * duration / step
             ));
@@ -338,6 +337,10 @@ impl Discs {
         self.angle += mean(count as f64 * step).0;
         Ok(history)
     }
+}
+
+fn refused(reason: String) -> Result<(), Refusal> {
+    Err(Refusal::error(reason))
 }
 
 #[cfg(test)]

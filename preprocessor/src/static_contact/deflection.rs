@@ -18,16 +18,21 @@ impl Deflection {
     /// # Errors
     /// [`Input`](gearmesh::contact::ContactError::Input) for fewer than two points, numbers that are not finite, and z that do not ascend.
     pub fn new(points: Vec<[f64; 2]>) -> Result<Deflection, ContactError> {
-        let refused = |field, value, remedy| Err(ContactError::input(field, value, remedy));
         if points.len() < 2 {
             let count = points.len() as f64;
-            return refused("points of the deflection", count, "give at least 2");
+            let field = "points of the deflection";
+            return Err(ContactError::input(field, count, "give at least 2"));
         }
         if let Some(value) = points.iter().flatten().find(|v| !v.is_finite()) {
-            return refused("deflection", *value, "give finite numbers");
+            return Err(ContactError::input(
+                "deflection",
+                *value,
+                "give finite numbers",
+            ));
         }
         if let Some(pair) = points.windows(2).find(|p| p[1][0] <= p[0][0]) {
-            return refused("z of the deflection", pair[1][0], "let z ascend");
+            let field = "z of the deflection";
+            return Err(ContactError::input(field, pair[1][0], "let z ascend"));
         }
         Ok(Deflection { points })
     }

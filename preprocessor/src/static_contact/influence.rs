@@ -161,14 +161,12 @@ fn divide(
         }
         left.cholesky().is_some()
     };
-    // The largest part that leaves a legal matrix, as all below it do; the whole does not.
-    let largest = |is_legal: &dyn Fn(f64) -> bool| bracket([0.0, 1.0], BISECTIONS, is_legal)[0];
     let (all, theta) = if is_legal(1.0, 1.0) {
         (1.0, 1.0)
     } else if is_legal(1.0, 0.0) {
-        (1.0, largest(&|theta| is_legal(1.0, theta)))
+        (1.0, largest(|theta| is_legal(1.0, theta)))
     } else {
-        (largest(&|all| is_legal(all, 0.0)), 0.0)
+        (largest(|all| is_legal(all, 0.0)), 0.0)
     };
     influence.bulk = left(all, theta);
     for known in &mut influence.lengths {
@@ -176,6 +174,11 @@ fn divide(
             *length *= (all * share * growth(*length, reference)).exp();
         }
     }
+}
+
+/// The largest part that leaves a legal matrix, as all below it do; the whole does not.
+fn largest(is_legal: impl Fn(f64) -> bool) -> f64 {
+    bracket([0.0, 1.0], BISECTIONS, is_legal)[0]
 }
 
 /// ln(reference / length), zero where the length is longer.

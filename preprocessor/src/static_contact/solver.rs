@@ -409,11 +409,11 @@ impl ContactSolver {
         for candidate in &mut problem.contact.candidates {
             let closed = candidate.points().map(|z| {
                 let y = lines.contact_line(candidate.tooth_pair, z);
-                let closed = |by: &Deflection| {
+                let [next, present] = [next, present].map(|by| {
                     let [closing, slope] = by.closing(z);
                     closing + slope * lines.lean() * y
-                };
-                closed(next) - closed(present)
+                });
+                next - present
             });
             let closed = along_segment(closed, own_share);
             for (gap, closed) in candidate.gap.iter_mut().zip(closed) {
@@ -421,11 +421,11 @@ impl ContactSolver {
             }
         }
         // Compared with approach and misalignment alone.
-        let largest = |by: &Deflection| match by == &Deflection::default() {
+        let [next, present] = [next, present].map(|by| match by == &Deflection::default() {
             true => 0.0,
             false => self.deflection_range(by)[1].max(0.0),
-        };
-        let more = largest(next) - largest(present);
+        });
+        let more = next - present;
         if let Some(followed) = &mut problem.contact.followed_approach {
             *followed -= more;
         }

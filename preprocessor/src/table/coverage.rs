@@ -1,6 +1,6 @@
 //! What a table covers: its default nodes, random operating points, and errors against static solutions there.
 
-use super::sweep::{StaticSource, solve_error};
+use super::sweep::{StaticSource, failed};
 use crate::gear::Pair;
 use crate::static_contact::ContactError;
 use gearmesh::contact::{ContactFile, Prescribed, Warm};
@@ -176,8 +176,8 @@ pub fn tilt(
 ) -> Result<f64, TableError> {
     let mut least = f64::INFINITY;
     for p in mesh_positions(4) {
-        let failed = |error| solve_error(Flank::Drive, [0.0, 0.0, p], error);
-        let mut position = source.position(Flank::Drive, p, 0.0).map_err(failed)?;
+        let failed = failed(Flank::Drive, [0.0, 0.0, p]);
+        let mut position = source.position(Flank::Drive, p, 0.0).map_err(&failed)?;
         let top = position.top(coverage.maximum_torque, 0.0).map_err(failed)?;
         least = least.min(top.approach - position.no_load_approach(0.0));
     }
@@ -298,12 +298,12 @@ pub(super) fn measure_at(
 ) -> Result<InterpolationError, TableError> {
     let errors = errors(held, |held| {
         let (p, c) = (held.mesh_position, held.center_distance_offset);
-        let failed = |m: f64| move |error| solve_error(flank, [c, m, p], error);
-        let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
+        let mut position = (source.position(flank, p, c)).map_err(failed(flank, [c, 0.0, p]))?;
         let errors = held.loads.iter().map(|&[torque, m]| {
+            let failed = failed(flank, [c, m, p]);
             let exact = position.solve(Prescribed::Torque(torque), m);
-            let exact = exact.map_err(failed(m))?;
-            let found = found(&Query::from([exact.approach, c, m, p])).map_err(failed(m))?;
+            let exact = exact.map_err(&failed)?;
+            let found = found(&Query::from([exact.approach, c, m, p])).map_err(failed)?;
             Ok(nominal.errors(&found, exact.loa_force, exact.moment))
         });
         errors.collect()

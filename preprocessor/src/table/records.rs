@@ -2,7 +2,7 @@
 //! the spline through the latter misses.
 
 use super::coverage::{Coverage, SEED, TOGETHER, errors, mesh_positions};
-use super::sweep::{Progress, solve_error, sweep_columns};
+use super::sweep::{Progress, failed, sweep_columns};
 use crate::contact::PositionRoots;
 use crate::finite_element::RootStress;
 use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
@@ -148,7 +148,7 @@ impl<'a> Column<'a> {
         let [c, p] = at;
         let problem = solver.position(flank, p, c);
         Ok(Column {
-            problem: problem.map_err(|error| solve_error(flank, [c, 0.0, p], error))?,
+            problem: problem.map_err(failed(flank, [c, 0.0, p]))?,
             solver,
             flank,
             at,
@@ -157,7 +157,7 @@ impl<'a> Column<'a> {
 
     fn failed(&self, misalignment: f64, error: ContactError) -> TableError {
         let [c, p] = self.at;
-        solve_error(self.flank, [c, misalignment, p], error)
+        failed(self.flank, [c, misalignment, p])(error)
     }
 
     /// What `sample` gives of each solution, for each of `misalignments` (rad) under each of `forces` (N on the line of

@@ -1,6 +1,6 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
-use gearmesh::gear::{BodyOrder, BodyOrders};
+use gearmesh::gear::BodyOrders;
 use gearmesh::table::{LoadAxes, TableFile, TeethRecord};
 use gearmesh::words::{count, fixed, rounded};
 
@@ -74,13 +74,16 @@ pub fn summary(file: &TableFile) -> Vec<(String, String)> {
 fn bodies_in_words(bodies: &BodyOrders) -> String {
     let gears = bodies.drive.iter().enumerate();
     let gears = gears.filter_map(|(gear, orders)| {
-        let size = |part: &BodyOrder| part.approach_m_per_n[0].hypot(part.approach_m_per_n[1]);
-        let strongest = orders.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let sized = orders.iter().map(|part| {
+            let [cos, sin] = part.approach_m_per_n;
+            (cos.hypot(sin), part.order)
+        });
+        let (size, order) = sized.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(format!(
             "gear {} changes the compliance {} times a turn by {:.3} um/kN ({} orders)",
             gear + 1,
-            strongest.order,
-            1e9 * size(strongest),
+            order,
+            1e9 * size,
             orders.len()
         ))
     });

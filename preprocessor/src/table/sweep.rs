@@ -210,19 +210,18 @@ pub fn sweep(
     let outer = [&axes.center_distance_offset[..], &axes.mesh_position];
     // For each misalignment first touch and displacements.
     let samples = sweep_columns(outer, nc * nm * (nu + 1) * np, progress, |c, p, report| {
-        let failed = |m| move |error: ContactError| solve_error(flank, [c, m, p], error);
-        let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
+        let mut position = (source.position(flank, p, c)).map_err(failed(flank, [c, 0.0, p]))?;
         let mut column = Vec::with_capacity(nm * (nu + 1));
         for &m in &axes.misalignment {
             let low = position.no_load_approach(m);
-            let top = position.top(maximum_torque, m).map_err(failed(m))?;
+            let top = (position.top(maximum_torque, m)).map_err(failed(flank, [c, m, p]))?;
             let mut samples = vec![top; nu + 1];
             samples[0].approach = low;
             // From the top down each solution starts from a near one; the top itself is known.
             for k in (0..nu - 1).rev() {
                 let delta = low + axes.displacement_fraction[k] * (top.approach - low);
                 let solved = position.solve(Prescribed::Approach(delta), m);
-                samples[k + 1] = solved.map_err(failed(m))?;
+                samples[k + 1] = solved.map_err(failed(flank, [c, m, p]))?;
             }
             column.append(&mut samples);
             report(nu + 1);
@@ -249,10 +248,12 @@ pub fn sweep(
     })
 }
 
-/// A solve that failed at (centre distance offset, misalignment, mesh position).
-pub(super) fn solve_error(flank: Flank, [c, m, p]: [f64; 3], error: impl Display) -> TableError {
-    let [c, m] = [1e6 * c, 1e3 * m].map(rounded);
-    TableError::Failed(format!(
-        "the operating range of the pair file cannot be covered: static solve at {flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}: {error}"
-    ))
+/// What an error becomes of a solve that failed at (centre distance offset, misalignment, mesh position).
+pub(super) fn failed<E: Display>(flank: Flank, [c, m, p]: [f64; 3]) -> impl Fn(E) -> TableError {
+    move |error| {
+        let [c, m] = [1e6 * c, 1e3 * m].map(rounded);
+        TableError::Failed(format!(
+            "the operating range of the pair file cannot be covered: static solve at {flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}: {error}"
+        ))
+    }
 }

@@ -3,7 +3,7 @@
 use super::coverage::{
     Coverage, Nominal, SEED, displacement_nodes, mesh_positions, no_coast_flank,
 };
-use super::sweep::{Progress, solve_error, sweep};
+use super::sweep::{Progress, failed, sweep};
 use super::tooth_pair::ToothPair;
 use crate::static_contact::{ContactError, ContactSolver, PositionProblem};
 use gearmesh::contact::{ContactFile, Prescribed, Warm};
@@ -145,7 +145,7 @@ impl TeethSweep<'_> {
             let at @ [_, c, m, p] = q.coordinates();
             let exact = exact
                 .potential(at, [0; 2], &mut Warm::default())
-                .map_err(|error| solve_error(flank, [c, m, p], error))?;
+                .map_err(failed(flank, [c, m, p]))?;
             Ok(nominal.errors(&found.gradient, exact.gradient[0], exact.gradient[2]))
         });
         let errors = errors.collect::<Result<Vec<_>, TableError>>()?;
@@ -184,15 +184,15 @@ fn coupling(
 ) -> Result<Vec<Vec<f64>>, TableError> {
     let rows = (0..POSITIONS).into_par_iter().map(|i| {
         let tau = i as f64 / POSITIONS as f64;
-        let failed = |m| move |error: ContactError| solve_error(flank, [0.0, m, tau], error);
-        let pairs = Together::new(solver, flank, tau).map_err(failed(0.0))?;
+        let pairs = Together::new(solver, flank, tau).map_err(failed(flank, [0.0, 0.0, tau]))?;
         misalignments
             .iter()
             .map(|&m| {
                 let mut sums = Sums::default();
                 for load in 1..=LOADS {
                     let torque = coverage.maximum_torque * load as f64 / LOADS as f64;
-                    pairs.add(torque, m, &mut sums).map_err(failed(m))?;
+                    let added = pairs.add(torque, m, &mut sums);
+                    added.map_err(failed(flank, [0.0, m, tau]))?;
                 }
                 Ok(sums)
             })

@@ -5,7 +5,7 @@
 //! first touch stays at a ceiling that none reaches.
 
 use super::coverage::Coverage;
-use super::sweep::{Position, Sample, StaticPosition, StaticSource, solve_error};
+use super::sweep::{Position, Sample, StaticPosition, StaticSource, failed};
 use crate::static_contact::{
     ContactError, ContactResult, ContactSolver, PositionProblem, Resultant,
 };
@@ -54,16 +54,16 @@ impl ToothPair {
         let followed = FARTHER * (solver.setup().followed_approach + spread);
         let solver = solver.clone().followed_to(followed);
         let nodes = [&axes.center_distance_offset, &axes.misalignment].map(Clone::clone);
-        let failed = |c, m| move |error: ContactError| solve_error(flank, [c, m, 0.0], error);
         let torque = Prescribed::Torque(coverage.maximum_torque);
         let rows = nodes[0].par_iter().map(|&c| {
-            let problem = (solver.tooth_pair(flank, 0.0, c)).map_err(failed(c, 0.0))?;
+            let problem =
+                (solver.tooth_pair(flank, 0.0, c)).map_err(failed(flank, [c, 0.0, 0.0]))?;
             nodes[1]
                 .iter()
                 .map(|&m| {
                     let low = problem.no_load_approach(m);
                     let top = problem.solve_beyond(torque, m, None);
-                    let span = top.map_err(failed(c, m))?.approach - low + spread;
+                    let span = top.map_err(failed(flank, [c, m, 0.0]))?.approach - low + spread;
                     let ceiling = low + CEILING * span;
                     Ok(Level { ceiling, span })
                 })
@@ -76,25 +76,26 @@ impl ToothPair {
             levels,
             places: [0.0; 2],
         };
-        pair.places = pair.outermost(flank).map_err(failed(0.0, 0.0))?;
+        pair.places = pair.outermost(flank).map_err(failed(flank, [0.0; 3]))?;
         Ok(pair)
     }
 
     /// At a node of the table.
     fn level(&self, c: f64, m: f64) -> Level {
-        let index = |axis: usize, x: f64| {
-            let node = self.nodes[axis].iter().position(|&node| node == x);
-            node.expect("a table is solved at its nodes")
-        };
-        self.levels[index(0, c) * self.nodes[1].len() + index(1, m)]
+        let [row, column] = [(&self.nodes[0], c), (&self.nodes[1], m)].map(|(nodes, x)| {
+            let index = nodes.iter().position(|&node| node == x);
+            index.expect("a table is solved at its nodes")
+        });
+        self.levels[row * self.nodes[1].len() + column]
     }
 
     fn outermost(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
-        let outer = |nodes: &[f64]| [nodes[0], nodes[nodes.len() / 2], nodes[nodes.len() - 1]];
+        let [offsets, misalignments] = (self.nodes.each_ref())
+            .map(|nodes| [nodes[0], nodes[nodes.len() / 2], nodes[nodes.len() - 1]]);
         let mut ends = [0.0f64; 2];
-        for c in outer(&self.nodes[0]) {
+        for c in offsets {
             let passage = self.solver.passage(c)?;
-            for m in outer(&self.nodes[1]) {
+            for m in misalignments {
                 let ceiling = self.level(c, m).ceiling;
                 for ((end, sign), limit) in ends.iter_mut().zip([-1.0, 1.0]).zip(passage) {
                     while sign * (limit - *end) > 0.0

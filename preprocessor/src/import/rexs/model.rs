@@ -130,13 +130,13 @@ impl Relation {
 impl Model {
     /// The model in the file at `path`.
     pub fn read(path: &Path) -> Result<Model> {
-        let unreadable = |error: std::io::Error| RexsError(format!("cannot read it: {error}"));
         let mut bytes = Vec::new();
-        let file = storage::open(path).map_err(unreadable)?;
-        file.take(LONGEST + 1)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
-        Model::from_bytes(bytes)
+        let file = storage::open(path);
+        let read = file.and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes));
+        match read {
+            Ok(_) => Model::from_bytes(bytes),
+            Err(error) => refused(format!("cannot read it: {error}")),
+        }
     }
 
     /// The model in the `bytes` of a file: XML, JSON or a zip archive with one of them.
@@ -162,12 +162,11 @@ impl Model {
     }
 
     fn from_json(text: &str) -> Result<Model> {
-        let wrong = |error: serde_json::Error| RexsError(format!("no REXS file: {error}"));
-        let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
+        let mut file: Value = serde_json::from_str(text).map_err(no_rexs)?;
         if !file["model"].is_object() {
             return refused("it has no `model`, as REXS files in JSON have");
         }
-        serde_json::from_value(file["model"].take()).map_err(wrong)
+        serde_json::from_value(file["model"].take()).map_err(no_rexs)
     }
 
     fn from_xml(text: &str) -> Result<Model> {
@@ -279,10 +278,17 @@ fn is_model(name: &str) -> bool {
     })
 }
 
+fn no_rexs(error: serde_json::Error) -> RexsError {
+    RexsError(format!("no REXS file: {error}"))
+}
+
+fn damaged(error: zip::result::ZipError) -> RexsError {
+    RexsError(format!("a damaged archive: {error}"))
+}
+
 /// The one model in a zip archive (.rexsz).
 fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>> {
-    let wrong = |error: zip::result::ZipError| RexsError(format!("a damaged archive: {error}"));
-    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(wrong)?;
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
     let models = archive.file_names().filter(|name| is_model(name));
     let models: Vec<String> = models.map(str::to_owned).collect();
     let [name] = &models[..] else {
@@ -293,7 +299,7 @@ fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>> {
         ));
     };
     let mut model = Vec::new();
-    let file = archive.by_name(name).map_err(wrong)?;
+    let file = archive.by_name(name).map_err(damaged)?;
     match file.take(LONGEST + 1).read_to_end(&mut model) {
         Ok(_) => Ok(model),
         Err(error) => refused(format!("a damaged archive: {name}: {error}")),

@@ -198,7 +198,6 @@ impl Draft<'_> {
     pub(super) fn root(&mut self, i: usize, basic: &Basic, fields: &mut Fields) -> Result<()> {
         let name = ["gear1", "gear2"][i];
         let (tools, settings) = (self.beside(i, &TOOLS), self.beside(i, &[SETTINGS]));
-        let number = |fields: &Fields, field: &str| fields.get(field).and_then(Value::as_f64);
         let nominal = number(fields, "profile_shift_iso_21771").unwrap_or(0.0);
         let generating = self.generated_shift(i)?.map_or(nominal, |limits| limits[0]);
         let allowance = first(&settings, &["machining_allowance"])?.filter(|q| q.value > 0.0);
@@ -321,11 +320,10 @@ impl Draft<'_> {
         if fields.contains_key("tip_form_diameter_mm") {
             return Ok(());
         }
-        let number = |field: &str| fields.get(field).and_then(Value::as_f64);
         let side = if self.is_ring(i) { -1.0 } else { 1.0 };
         let usual = basic.reference_diameter(i)
-            + 2.0 * basic.module * (1.0 + number("profile_shift_iso_21771").unwrap_or(0.0));
-        let tip = number("tip_diameter_mm").unwrap_or(usual.abs());
+            + 2.0 * basic.module * (1.0 + number(fields, "profile_shift_iso_21771").unwrap_or(0.0));
+        let tip = number(fields, "tip_diameter_mm").unwrap_or(usual.abs());
         let form = rounded(tip - side * 2.0 * chamfer.value.abs());
         fields.insert("tip_form_diameter_mm".into(), json!(form));
         let line = format!(
@@ -335,4 +333,8 @@ impl Draft<'_> {
         self.account.add(Head::Derived, line);
         Ok(())
     }
+}
+
+fn number(fields: &Fields, field: &str) -> Option<f64> {
+    fields.get(field).and_then(Value::as_f64)
 }

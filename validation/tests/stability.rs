@@ -94,10 +94,7 @@ mod masters {
         for bodies in bodies {
             let bar = if bodies.train { 5.0 } else { 1.0 };
             let case = Case::new(&p, bodies, 160.0).unwrap();
-            for (master, told) in [
-                (Master::Sequential, Told::Sequential),
-                (Master::Parallel, Told::Parallel),
-            ] {
+            for (master, told) in MASTERS {
                 let way = Way {
                     told,
                     master,

@@ -114,6 +114,7 @@ impl Pattern {
     /// Mesh of a sector of the body of `gear`, about one hole or support at angle 0, its cylinder, that of `basis`, on a foundation.
     fn mesh(&self, gear: &Gear, basis: &Basis) -> Result<Mesh, FiniteElementError> {
         let (radius, held) = (basis.radius, gear.held_radius);
+        let foundation = basis.foundation(gear);
         let half_sector = 0.5 * TAU / f64::from(self.count);
         // Radii and angles between which elements are fine.
         let (size, radii, half_angle) = match self.what {
@@ -141,7 +142,7 @@ impl Pattern {
         // Straight: round bodies are the same along any helix.
         let gear = Gear {
             helix_angle: 0.0,
-            foundation: (!is_bore_held).then_some(basis.foundation(gear)),
+            foundation: (!is_bore_held).then_some(foundation),
             ..gear.clone()
         };
         let section = Section::of_body(&gear, radius, &halved(&angles), |part| {
@@ -170,7 +171,7 @@ impl Pattern {
             .iter()
             .map(|point| is_on(point, radius))
             .collect();
-        mesh.foundation = Some(basis.foundation(&gear));
+        mesh.foundation = Some(foundation);
         Ok(mesh)
     }
 }

@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use serde::Deserialize;
 
 use super::checks::{Refusal, Refusals, both, check, ensure, in_gear, limits, refusal};
-use super::file::{BodyMatrixFile, GearFile, HolesFile, MM, PairFile};
+use super::file::{BodyMatrixFile, GearFile, HolesFile, MM, PairFile, radius_of};
 use super::text;
 use crate::finite_element::{body_basis, body_stiffness};
 use crate::storage::csv_reader;
@@ -167,8 +167,8 @@ fn circle(
         "the holes of {hole} mm lie {apart:.3} mm apart"; "choose fewer or smaller ones");
     Ok(HoleCircle {
         count: holes.count,
-        circle_radius: 0.5 * circle * MM,
-        radius: 0.5 * hole * MM,
+        circle_radius: radius_of(circle),
+        radius: radius_of(hole),
         angle: holes.angle_deg.to_radians(),
     })
 }
@@ -341,7 +341,10 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
     };
     let lines = text.lines().enumerate().skip(1);
     let mut lines = lines.filter(|(_, line)| !line.starts_with('%') && !line.trim().is_empty());
-    let size = numbers(lines.next(), if is_dense { 2 } else { 3 })?.ok_or("has no size")?;
+    let size = numbers(
+        lines.next().ok_or("has no size")?,
+        if is_dense { 2 } else { 3 },
+    )?;
     let [rows, columns] = [size[0] as usize, size[1] as usize];
     if rows.max(columns) > 3 * MOST_NODES {
         return Err(format!("has {rows} rows and {columns} columns"));
@@ -356,12 +359,12 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
     if is_dense {
         for j in 0..columns {
             for i in if is_symmetric { j } else { 0 }..rows {
-                set(i, j, numbers(lines.next(), 1)?.ok_or(TOO_SHORT)?[0]);
+                set(i, j, numbers(lines.next().ok_or(TOO_SHORT)?, 1)?[0]);
             }
         }
     } else {
         for _ in 0..size[2] as usize {
-            let entry = numbers(lines.next(), 3)?.ok_or(TOO_SHORT)?;
+            let entry = numbers(lines.next().ok_or(TOO_SHORT)?, 3)?;
             let [i, j] = [entry[0], entry[1]].map(|at| at as usize);
             if !(1..=rows).contains(&i) || !(1..=columns).contains(&j) {
                 return Err(format!("has an entry at row {i}, column {j}"));
@@ -377,18 +380,15 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
 
 const TOO_SHORT: &str = "ends too early";
 
-/// The `count` numbers in a `line`, which has its place in the text before it.
-fn numbers(line: Option<(usize, &str)>, count: usize) -> Result<Option<Vec<f64>>, String> {
-    let Some((place, line)) = line else {
-        return Ok(None);
-    };
+/// The `count` numbers in a `line` that stands at `place` in the text.
+fn numbers((place, line): (usize, &str), count: usize) -> Result<Vec<f64>, String> {
     let found: Vec<f64> = line
         .split_whitespace()
         .filter_map(|word| word.parse().ok())
         .collect();
     let is_fine = found.len() == count && found.iter().all(|x| x.is_finite());
     match is_fine {
-        true => Ok(Some(found)),
+        true => Ok(found),
         false => Err(format!(
             "has `{}` in line {}, where {count} numbers belong",
             line.chars().take(60).collect::<String>(),

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use super::checks::{Refusal, about, ensure, in_gear, refusal, remedy};
-use super::file::{Dimension, GearFile, MM, PairFile, UM};
+use super::file::{Dimension, GearFile, MM, PairFile, UM, radius_of};
 use super::gears::{set_circles, unshifted};
 use gearmesh::gear::{Gear, GearKind, PairGeometry, inverse_involute, involute};
 use gearmesh::words::{fixed, rounded};
@@ -271,7 +271,7 @@ pub(super) fn gear(file: &PairFile, i: usize, helix: f64) -> Result<Gear, Refusa
         }) + ROUNDING;
         // The root circle gives the nominal profile shift where nothing else does: a thinned tooth has another one.
         let at_root = (of_root.zip(given.dedendum_coefficient)).map(|(root, dedendum)| {
-            let above = 0.5 * root.middle() * MM - g.reference_radius();
+            let above = radius_of(root.middle()) - g.reference_radius();
             above / g.normal_module + g.kappa() * dedendum
         });
         let nominal = shift.or(at_root).unwrap_or(generating);
@@ -323,7 +323,7 @@ fn dedendum(given: &GearFile, g: &Gear, i: usize) -> Result<f64, Refusal> {
             "does not fit `dedendum_coefficient` = {dedendum} and the profile shift {x:.4}, which give {:.3} mm", right / MM;
             "give {:.3}, or leave `dedendum_coefficient` out", right / MM);
     }
-    let deep = g.kappa() * (g.reference_radius() + g.normal_module * x - 0.5 * root.middle() * MM)
+    let deep = g.kappa() * (g.reference_radius() + g.normal_module * x - radius_of(root.middle()))
         / g.normal_module;
     ensure!(deep > 0.0 && deep <= 3.0, name => root;
         "means a dedendum of {deep:.3} modules with the profile shift {x:.4}, and must be above 0 and at most 3";

@@ -12,6 +12,11 @@ pub(super) const MM: f64 = 1e-3;
 /// Metres in a micrometre.
 pub(super) const UM: f64 = 1e-6;
 
+/// m, of a diameter in mm.
+pub(super) fn radius_of(diameter_mm: f64) -> f64 {
+    0.5 * diameter_mm * MM
+}
+
 /// A dimension of a drawing: a number, or its limits, of which the middle counts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, try_from = "serde_json::Value")]

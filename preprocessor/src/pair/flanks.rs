@@ -10,7 +10,7 @@ use super::checks::{
 };
 use super::file::{
     EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, ToothErrorsFile, ToothFlank,
-    UM,
+    UM, radius_of,
 };
 use super::mesh::short_tooth;
 use super::text;
@@ -151,7 +151,7 @@ impl Flanks<'_> {
         let tip = gear.tip_form_roll();
         let (form, value, start_roll) = match r.start {
             ReliefStart::PitchPoint => ("", 0.0, g.roll_at(self.i, g.center_distance, 0.0)),
-            ReliefStart::DiameterMm(mm) => ("diameter_mm", mm, gear.roll_length(0.5 * mm * MM)),
+            ReliefStart::DiameterMm(mm) => ("diameter_mm", mm, gear.roll_length(radius_of(mm))),
             ReliefStart::RollLengthMm(mm) => ("roll_length_mm", mm, mm * MM),
             ReliefStart::RollAngleDeg(deg) => ("roll_angle_deg", deg, base * deg.to_radians()),
             ReliefStart::FromTipMm(mm) => ("from_tip_mm", mm, tip - gear.kappa() * mm * MM),

@@ -4,7 +4,7 @@ use super::checks::{
     ABOVE_0, Refusal, Refusals, about, check, check_with_usual, ensure, in_gear, limits, meant,
     refusal,
 };
-use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
+use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile, radius_of};
 use super::temperature;
 use crate::gear::body::{self, Stub};
 use crate::gear::{ProfileError, ToothProfile};
@@ -60,11 +60,6 @@ pub(super) fn set_circles(g: &GearFile, gear: &mut Gear) {
         GearKind::Ring => (g.rim_diameter_mm, default_held_radius(gear)),
     };
     gear.held_radius = held.map_or(usual, radius_of);
-}
-
-/// m, of a diameter in mm.
-fn radius_of(diameter_mm: f64) -> f64 {
-    0.5 * diameter_mm * MM
 }
 
 /// Radius at which `gear` is held where its file says nothing of it, m.
@@ -329,9 +324,9 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
     ensure!(inside >= innermost + 2.0 * least, in_gear(i, name) => value;
         "the inside of the rim has the diameter {inside:.3} mm and leaves no web outside of {part} of {innermost:.3} mm";
         "choose a thinner rim or a smaller hub or bore; for a full disc leave rim, web and hub out");
-    let hub_radius = g.hub_diameter_mm.map(|mm| 0.5 * mm * MM);
+    let hub_radius = g.hub_diameter_mm.map(radius_of);
     Ok(Body {
-        rim_radius: 0.5 * inside * MM,
+        rim_radius: radius_of(inside),
         web: web.map(|z| z * MM),
         hub_radius: hub_radius.unwrap_or(gear.held_radius),
         hub: hub.map(|z| z * MM),
@@ -386,7 +381,7 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
             "there is no `{name}` piece to hold"; "give its diameter_mm and length_mm, or hold the other end");
     }
     let stubs = [0, 1].map(|end| Stub {
-        radius: 0.5 * pieces[end].1.map_or(0.0, |piece| piece.diameter_mm) * MM,
+        radius: radius_of(pieces[end].1.map_or(0.0, |piece| piece.diameter_mm)),
         length: pieces[end].1.map_or(0.0, |piece| piece.length_mm) * MM,
         held: held[end],
     });

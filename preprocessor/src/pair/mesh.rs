@@ -1,7 +1,7 @@
 //! What can only be said of the gears as built and of the pair in mesh.
 
 use super::checks::{Refusal, ensure, in_gear, note, refusal, remedy};
-use super::file::{MM, PairFile, UM};
+use super::file::{MM, PairFile, UM, radius_of};
 use super::gears::{self, tip_field, usual_tip_radius};
 use crate::gear::ToothProfile;
 use gearmesh::gear::{Gear, GearKind, PairGeometry, involute};
@@ -39,7 +39,7 @@ pub(super) fn shorten_default_ring(
         return Ok(None);
     }
     if let Some(mm) = file.gear(ring).tip_form_diameter_mm {
-        shortened.tip_chamfer = 0.5 * mm * MM - shortened.tip_radius;
+        shortened.tip_chamfer = radius_of(mm) - shortened.tip_radius;
     }
     Ok(Some(format!(
         "gear {}: the tips of the ring are shortened from {:.3} to {:.3} mm diameter to clear the fillets of the pinion; \

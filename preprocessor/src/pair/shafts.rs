@@ -1,7 +1,7 @@
 //! Shafts on bearings: `sections`, `bearings` and what belongs to them in `shaft` of a gear.
 
 use super::checks::{ABOVE_0, Refusals, both, check, ensure, every, in_gear, limits, refusal};
-use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM};
+use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM, radius_of};
 use crate::gear::{Bearing, Shaft, ShaftSection};
 use gearmesh::gear::{Body, Gear, PairGeometry};
 use gearmesh::words::{fixed, rounded};
@@ -122,7 +122,7 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
         start: start * MM,
         sections: (sections.iter())
             .map(|s| ShaftSection {
-                radii: [s.inner_diameter_mm.unwrap_or(0.0), s.diameter_mm].map(|d| 0.5 * d * MM),
+                radii: [s.inner_diameter_mm.unwrap_or(0.0), s.diameter_mm].map(radius_of),
                 length: s.length_mm * MM,
             })
             .collect(),
@@ -153,7 +153,7 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
     }
     if let Some(mm) = given.seat_diameter_mm {
         check(&path("seat_diameter_mm"), mm, [ABOVE_0, 2.0 * root / MM])?;
-        shaft.seat_radius = 0.5 * mm * MM;
+        shaft.seat_radius = radius_of(mm);
     }
     for (k, bearing) in bearings.iter().enumerate() {
         limits! { path(&format!("bearings.{k}.")), bearing;

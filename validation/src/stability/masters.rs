@@ -581,12 +581,6 @@ pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
     Ok(found)
 }
 
-/// Masters, and the coupling that says so.
-const MASTERS: [(Master, Told); 2] = [
-    (Master::Sequential, Told::Sequential),
-    (Master::Parallel, Told::Parallel),
-];
-
 /// Everything that hangs on the gears.
 pub fn systems(p: &Packed) -> Vec<Bodies> {
     vec![
@@ -636,6 +630,12 @@ pub fn given(p: &Packed, steps: f64, lengths: [usize; 2]) -> Result<f64> {
     let off = held.iter().zip(&found).map(|(a, b)| (a - b).abs());
     Ok(100.0 * off.fold(0.0, f64::max) / p.load)
 }
+
+/// Masters, and the coupling that says so.
+pub const MASTERS: [(Master, Told); 2] = [
+    (Master::Sequential, Told::Sequential),
+    (Master::Parallel, Told::Parallel),
+];
 
 /// Packed steps in a mesh cycle.
 pub const STEPS: [f64; 5] = [10.0, 20.0, 40.0, 80.0, 160.0];

@@ -30,6 +30,9 @@ pub struct Problem<'a> {
     pub shortest: f64,
     /// How contact moves along the profile; `None`: it stays.
     pub movable: Option<Movable<'a>>,
+    /// Relative residual below which a step along the tangents of all laws is the last one, where contact stays: what it leaves is not
+    /// measured, and is of the order of the square. Zero: no such step.
+    pub last_step_from: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +66,7 @@ pub struct Solution {
     /// Newton steps it took.
     pub iterations: usize,
     /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a segment less what its
-    /// gaps and local contact ask for under the displacement of all forces.
+    /// gaps and local contact ask for under the displacement of all forces; after a step along tangents the square of the one before.
     pub kkt_residual: f64,
     /// The segments in contact.
     pub active: Vec<usize>,
@@ -159,6 +162,11 @@ impl Problem<'_> {
             let response = (self.movable.zip(near))
                 .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active));
             let step = self.newton_step(system, &at, &active, &factor, response.as_ref());
+            if residual < self.last_step_from
+                && let Some(last) = self.along_tangents(system, &at, &step)
+            {
+                return Ok(self.solution(last, active, factor, iteration + 1, residual * residual));
+            }
             if response.is_some() {
                 // The whole step, as it will be; what counts is what it leaves at the new places.
                 at.y += &step.y;
@@ -380,6 +388,56 @@ impl Problem<'_> {
         Some(Failure::Overload { pressure })
     }
 
+    /// Where `step` leads if all laws go on along their tangents, which its forces then obey; `None` where a point comes into contact
+    /// or leaves it, and where contact moves.
+    fn along_tangents(&self, system: System<'_>, from: &Iterate, step: &Step) -> Option<Iterate> {
+        if self.movable.is_some() {
+            return None;
+        }
+        let ay = system.displaced(&step.y);
+        let mut at = from.clone();
+        for (i, loads) in at.loads.iter_mut().enumerate() {
+            let by = self.arm[i] * step.delta - ay[i];
+            for q in 0..POINTS {
+                let penetration = from.x[i] - system.gap[i][q];
+                let more = loads.slopes[q] * by;
+                loads.energies[q] += by * (loads.forces[q] + 0.5 * more);
+                loads.forces[q] += more;
+                if (penetration > 0.0) != (penetration + by > 0.0) || loads.forces[q] < 0.0 {
+                    return None;
+                }
+            }
+            at.x[i] += by;
+        }
+        at.y += &step.y;
+        at.ay += ay;
+        at.delta += step.delta;
+        Some(at)
+    }
+
+    fn solution(
+        &self,
+        at: Iterate,
+        active: Vec<usize>,
+        factor: Factor,
+        iterations: usize,
+        kkt_residual: f64,
+    ) -> Solution {
+        Solution {
+            factor,
+            response: None,
+            excess: self.overload(&at.loads),
+            force: at.y,
+            approach: at.delta,
+            closing: at.x,
+            loads: at.loads,
+            iterations,
+            kkt_residual,
+            active,
+            placed: None,
+        }
+    }
+
     /// Cleans the forces up and judges them by the original conditions.
     fn finish(
         &self,
@@ -410,19 +468,13 @@ impl Problem<'_> {
         }
         let mut active = at.active();
         active.retain(|&i| at.y[i] > 0.0);
+        let factor = self.factor(system, &at, &active)?;
+        let response = (self.movable.zip(placed.as_ref()))
+            .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active));
         Ok(Solution {
-            factor: self.factor(system, &at, &active)?,
-            response: (self.movable.zip(placed.as_ref()))
-                .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active)),
-            excess: self.overload(&at.loads),
-            force: at.y,
-            approach: at.delta,
-            closing: at.x,
-            loads: at.loads,
-            iterations,
-            kkt_residual,
-            active,
+            response,
             placed,
+            ..self.solution(at, active, factor, iterations, kkt_residual)
         })
     }
 }

@@ -34,6 +34,9 @@ pub struct ContactProblem {
     /// Length of a point of a segment that is half as long as a station, m. The end of contact cuts shorter ones off. There the
     /// line load rises without limit as the piece gets shorter, and its pressure says nothing.
     pub shortest: f64,
+    /// Violation of the contact conditions over the largest force below which a step along the tangents of all laws is the last of a solve:
+    /// what it leaves is of the order of the square. Zero, as made: solves go on until rounding is left.
+    pub last_step_from: f64,
 }
 
 /// Derivatives of load and moment at a solution.
@@ -69,6 +72,7 @@ impl ContactProblem {
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
             shortest: 0.5 * numbers.face[1]
                 / (setup.settings.stations as f64 * numbers.cos_beta_b * POINTS as f64),
+            last_step_from: 0.0,
         };
         let law = |(i, c): (_, &Candidate)| problem.law(c, &c.profile, problem.lengths(i));
         problem.local = problem.candidates.iter().enumerate().map(law).collect();
@@ -135,6 +139,7 @@ impl ContactProblem {
                 motion,
                 segments: &self.candidates,
             }),
+            last_step_from: self.last_step_from,
         }
     }
 

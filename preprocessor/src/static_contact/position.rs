@@ -164,6 +164,24 @@ impl From<&ContactResult> for Resultant {
     }
 }
 
+impl Resultant {
+    /// Forces on the segments (N) at `approach` (m) by the cubics through forces and derivatives here and at `other`, another approach
+    /// under the same misalignment; none where nothing touches here.
+    fn onwards(&self, other: &Resultant, approach: f64) -> Vec<f64> {
+        let step = self.approach - other.approach;
+        let t = (approach - self.approach) / step;
+        let both = self.segments.iter().zip(&other.segments);
+        let forces = both.map(|([force, slope, _], [before, slope_before, _])| {
+            let (rise, slopes) = (force - before, [slope_before * step, slope * step]);
+            let cubic = slopes[0] + slopes[1] - 2.0 * rise;
+            let square = slopes[1] - rise + cubic;
+            let onwards = force + t * (slopes[1] + t * (square + t * cubic));
+            if *force > 0.0 { onwards.max(0.0) } else { 0.0 }
+        });
+        forces.collect()
+    }
+}
+
 impl ContactResult {
     /// Centroid of the load along the face, m in gear 1's frame; NaN without load.
     pub fn load_centroid(&self) -> f64 {
@@ -260,11 +278,13 @@ impl PositionProblem {
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
         let warm = warm.map(Resultant::from);
-        let solution = self.solution(prescribed, misalignment, warm.as_ref())?;
+        let start = (warm.as_ref()).map(|warm| self.predicted(prescribed, misalignment, warm));
+        let solution = self.solution(prescribed, misalignment, start)?;
         Ok(self.result(solution, misalignment))
     }
 
-    /// Force and moment alone, likewise, from the forces of `warm` if there is one.
+    /// Force and moment alone, likewise, from the forces of `known` solutions at this position: the nearest, and one beyond it under the
+    /// `misalignment` asked for.
     ///
     /// # Errors
     /// As [`PositionProblem::solve_beyond`].
@@ -272,9 +292,17 @@ impl PositionProblem {
         &self,
         prescribed: Prescribed,
         misalignment: f64,
-        warm: Option<&Resultant>,
+        known: [Option<&Resultant>; 2],
     ) -> Result<Resultant, ContactError> {
-        let solution = self.solution(prescribed, misalignment, warm)?;
+        let start = match (prescribed, known) {
+            (Prescribed::Approach(approach), [Some(near), Some(far)])
+                if near.approach != far.approach =>
+            {
+                Some((near.onwards(far, approach), approach))
+            }
+            (_, [near, _]) => near.map(|near| self.predicted(prescribed, misalignment, near)),
+        };
+        let solution = self.solution(prescribed, misalignment, start)?;
         Ok(self.resultant_of(&solution, misalignment))
     }
 
@@ -282,10 +310,9 @@ impl PositionProblem {
         &self,
         prescribed: Prescribed,
         misalignment: f64,
-        warm: Option<&Resultant>,
+        start: Option<(Vec<f64>, f64)>,
     ) -> Result<Solution, ContactError> {
-        let predicted = warm.map(|warm| self.predicted(prescribed, misalignment, warm));
-        let start = predicted.as_ref().map(|(forces, approach)| Start {
+        let start = start.as_ref().map(|(forces, approach)| Start {
             forces,
             approach: *approach,
         });

@@ -12,7 +12,7 @@ mod tooth_pair;
 
 pub use coverage::{
     Coverage, default_axes, displacement_nodes, measure, measure_at_run_time, mesh_positions,
-    misalignments, tilt,
+    misalignments,
 };
 pub use plan::table_within;
 pub use recipe::{Account, Made, Recipe, RecipeError};

@@ -10,7 +10,7 @@
 //! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
-    Coverage, Nominal, SEED, TOGETHER, close_for, displacement_nodes, graded, measure_at,
+    Coverage, Nominal, SEED, TOGETHER, closest, displacement_nodes, graded, graded_to, measure_at,
     mesh_positions,
 };
 use super::sweep::{Progress, StaticSource, sweep};
@@ -37,8 +37,7 @@ const REPORTED_POINTS: usize = 1000;
 
 /// A grid whose spline is within `error` (rms, of the nominal force) of the solver at random points, and within 7.5 times that at
 /// all of them; the moment within twice as much, of nominal force times half the face. Both flanks share its axes, which are
-/// chosen on the drive flank, those of the misalignment closer at parallel axes where `tilt` (rad, see [`tilt`](super::tilt)) is
-/// small. The error returned is measured on points that had no part in the choice.
+/// chosen on the drive flank, those of the misalignment from nodes that lie half as far apart as the default ones `misalignments` (rad). The error returned is measured on points that had no part in the choice.
 ///
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
 ///
@@ -48,12 +47,12 @@ pub fn table_within(
     source: &dyn StaticSource,
     geometry: &PairGeometry,
     coverage: &Coverage,
-    tilt: f64,
+    misalignments: &[f64],
     error: f64,
     progress: Progress,
 ) -> Result<(FlankGrid, InterpolationError), TableError> {
     let nominal = Nominal::new(geometry, coverage);
-    let choices = |axis| match fine_nodes(axis, coverage, tilt) {
+    let choices = |axis| match fine_nodes(axis, coverage, misalignments) {
         Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, progress)?.choices(),
         None => Ok(vec![Choice {
             nodes: vec![0.0],
@@ -166,15 +165,20 @@ fn cheapest(choices: &[Vec<Choice>; 4], error: f64) -> Axes {
 }
 
 /// Fine nodes along `axis`, which all others are chosen from; `None`: no such axis.
-fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
+fn fine_nodes(axis: Axis, coverage: &Coverage, misalignments: &[f64]) -> Option<Vec<f64>> {
     let mut nodes = match axis {
         Axis::Displacement => return Some(displacement_nodes(48, 1.8)),
         Axis::MeshPosition => return Some(mesh_positions(128)),
         Axis::CenterDistance => graded(coverage.center_distance_offset?, 25, 0.0),
         Axis::Misalignment => {
             let range = coverage.misalignment?;
-            // Twice as close as the default ones.
-            close_for(0.5 * tilt, graded(range, 65, 0.0), range, 65)
+            let apart = 0.5 * closest(misalignments);
+            let even = graded(range, 65, 0.0);
+            if closest(&even) <= apart {
+                even
+            } else {
+                graded_to(range, 65, apart)
+            }
         }
     };
     // The nominal value is a node, so that tables cut there are the solver's own values.

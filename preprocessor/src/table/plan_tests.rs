@@ -1,6 +1,6 @@
 //! Sweeps and grids to a stated error, on a spring whose solution is known.
 
-use super::super::coverage::{closest, default_axes, graded, measure, misalignments, tilt};
+use super::super::coverage::{default_axes, graded, low_load_error, measure, misalignments};
 use super::super::sweep::{Position, Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
@@ -66,7 +66,8 @@ fn coverage() -> Coverage {
 #[test]
 fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_ours() {
     let (pair, coverage) = (spur_pair(), coverage());
-    let found = table_within(&Formula, &pair, &coverage, f64::INFINITY, 2e-3, QUIET);
+    let misalignments = default_axes(&coverage).misalignment;
+    let found = table_within(&Formula, &pair, &coverage, &misalignments, 2e-3, QUIET);
     let (grid, found) = found.unwrap();
     assert!(found.force_rms <= 2e-3, "{found:?}");
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
@@ -144,7 +145,7 @@ fn misalignments_go_on_beyond_limits_on_either_side_of_parallel_axes() {
             misalignment: Some(range),
             ..coverage()
         };
-        let nodes = misalignments(&coverage, f64::INFINITY);
+        let nodes = misalignments(&Formula, &spur_pair(), &coverage).unwrap();
         assert!(nodes.windows(2).all(|w| w[0] < w[1]), "{nodes:?}");
         let inside = coverage.inside_of(&nodes);
         assert_eq!([nodes[inside.start], nodes[inside.end - 1]], range);
@@ -224,10 +225,6 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
             misalignment: Some(range),
             ..coverage()
         };
-        let tilt = tilt(&Wedge, &pair, &coverage).unwrap();
-        // 20 N m on a base radius of 37.6 mm and a face of 25 mm.
-        let lift = 20.0 / pair.gears[0].base_radius() / OVER_FACE / FACE;
-        approx::assert_relative_eq!(tilt, lift / (0.5 * FACE), max_relative = 1e-9);
         let grid = |misalignment: Vec<f64>| {
             let axes = Axes {
                 misalignment,
@@ -237,33 +234,33 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
             let grid = sweep(&Wedge, Flank::Drive, &axes, 20.0, QUIET).unwrap();
             FlankTable::new(&grid, Interpolation::Spline)
         };
-        let nodes = misalignments(&coverage, tilt);
+        let nodes = misalignments(&Wedge, &pair, &coverage).unwrap();
         assert!(range.iter().all(|end| nodes.contains(end)));
         assert!(nodes.windows(2).all(|w| w[0] < w[1]));
-        assert!(closest(&nodes) <= 0.3 * tilt, "{range:?}");
+        let error = low_load_error(&Wedge, &pair, &coverage, &nodes).unwrap();
+        assert!(error <= 0.02, "{range:?}: {error}");
         if range[0] == -range[1] {
             let usual = grid(default_axes(&coverage).misalignment);
             let is_too_coarse = matches!(usual, Err(TableError::TooCoarse { .. }));
             assert!(is_too_coarse, "{range:?}");
         }
-        let table = grid(nodes).unwrap();
+        let table = grid(nodes.clone()).unwrap();
         let found = measure(&Wedge, &pair, Flank::Drive, &coverage, &table, 500).unwrap();
         assert!(found.force_rms < 0.02, "{range:?}: {found:?}");
-        let (_, sought) = table_within(&Wedge, &pair, &coverage, tilt, 5e-3, QUIET).unwrap();
+        let sought = table_within(&Wedge, &pair, &coverage, &nodes, 5e-3, QUIET);
+        let (_, sought) = sought.unwrap();
         assert!(sought.force_rms < 5e-3, "{range:?}: {sought:?}");
     }
 }
 
 #[test]
 fn a_tilt_that_teeth_follow_keeps_the_usual_misalignments() {
-    // The least over the shipped pairs is 1.26 mrad for +-3 mrad.
-    for tilt in [1.2e-3, 8e-3, f64::INFINITY] {
-        let usual = default_axes(&coverage()).misalignment;
-        assert_eq!(misalignments(&coverage(), tilt), usual);
-    }
+    let usual = default_axes(&coverage()).misalignment;
+    let nodes = |coverage| misalignments(&Formula, &spur_pair(), &coverage).unwrap();
+    assert_eq!(nodes(coverage()), usual);
     let parallel = Coverage {
         misalignment: None,
         ..coverage()
     };
-    assert_eq!(misalignments(&parallel, 1e-9), [0.0]);
+    assert_eq!(nodes(parallel), [0.0]);
 }

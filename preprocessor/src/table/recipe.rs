@@ -15,8 +15,7 @@ use gearmesh::table::{
 use serde_json::{Value, json};
 
 use super::coverage::{
-    Coverage, default_axes, inside, measure, measure_at_run_time, mesh_positions, misalignments,
-    tilt,
+    Coverage, default_axes, measure, measure_at_run_time, mesh_positions, misalignments,
 };
 use super::plan::table_within;
 use super::records::{
@@ -203,17 +202,13 @@ impl Recipe {
         let mut account = Account::default();
 
         let begin = Instant::now();
-        let tilt = match coverage.misalignment {
-            Some(_) => tilt(&models.solver, &pair.geometry, coverage)?,
-            None => f64::INFINITY,
-        };
+        let source = WatchedSolver::new(&models.solver, coverage.misalignment);
         let sweeps = Sweeps {
             models,
             coverage,
-            tilt,
+            misalignments: misalignments(&source, &pair.geometry, coverage)?,
             progress,
         };
-        let source = WatchedSolver::new(&models.solver, coverage.misalignment);
         let (drive, coast, error) = sweeps.force(&source, self.max_error)?;
         account.quality = source.quality();
         let mut file = TableFile::new(
@@ -366,8 +361,8 @@ fn add_roots(
 struct Sweeps<'a> {
     models: &'a ElasticModels,
     coverage: &'a Coverage,
-    /// Misalignment (rad) beyond which the contact changes its form, see [`tilt`].
-    tilt: f64,
+    /// Default ones of the tables, rad, see [`misalignments`].
+    misalignments: Vec<f64>,
     progress: StageProgress<'a>,
 }
 
@@ -382,7 +377,7 @@ impl Sweeps<'_> {
         let (drive, error) = match max_error {
             None => {
                 let axes = Axes {
-                    misalignment: misalignments(self.coverage, self.tilt),
+                    misalignment: self.misalignments.clone(),
                     ..default_axes(self.coverage)
                 };
                 self.grid(&axes, solver, Flank::Drive)?
@@ -391,7 +386,7 @@ impl Sweeps<'_> {
                 solver,
                 &self.models.pair.geometry,
                 self.coverage,
-                self.tilt,
+                &self.misalignments,
                 bound,
                 &self.stage("static contact"),
             )?,
@@ -485,8 +480,9 @@ impl Sweeps<'_> {
             coast_mirrors_drive: self.models.pair.coast_mirrors_drive(),
             friction,
         };
+        let nodes = &self.misalignments;
         let axes = Axes {
-            misalignment: inside(self.coverage, self.tilt),
+            misalignment: nodes[self.coverage.inside_of(nodes)].to_vec(),
             ..default_teeth_axes(self.coverage)
         };
         sweep.record(&axes, HELD_OUT_POINTS, &self.stage("tooth pairs"))

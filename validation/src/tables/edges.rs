@@ -7,9 +7,9 @@ use crate::{Context, Result};
 use gearmesh::contact::Prescribed;
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
-use gearmesh::table::{FlankTable, Interpolation, Query};
+use gearmesh::table::{Axes, FlankTable, Interpolation, Query};
 use gearmesh_preprocessor::gear::{Pair, Refinement};
-use gearmesh_preprocessor::table::{default_axes, misalignments, sweep, tilt};
+use gearmesh_preprocessor::table::{default_axes, misalignments, sweep};
 use rayon::prelude::*;
 
 /// Parts of a limit at which tables are measured.
@@ -44,8 +44,8 @@ struct Point {
 /// Errors of a table at a point under its force.
 #[derive(Debug, Clone, Copy)]
 struct Errors {
-    /// Of the approach over the exact one from unmodified involutes that just touch at an end of the face.
-    approach: f64,
+    /// Of the approach, m, and the exact one from unmodified involutes that just touch at an end of the face.
+    approach: [f64; 2],
     /// Where the resultant crosses the pitch plane, m.
     z: f64,
     /// Of the moment over force times half the face.
@@ -62,9 +62,10 @@ impl Subject {
     fn new(pair: Pair) -> Result<Self> {
         let setup = Setup::from_pair(pair)?;
         let coverage = setup.coverage();
-        let tilt = tilt(&setup.solver, &setup.pair.geometry, &coverage)?;
-        let mut axes = default_axes(&coverage);
-        axes.misalignment = misalignments(&coverage, tilt);
+        let axes = Axes {
+            misalignment: misalignments(&setup.solver, &setup.pair.geometry, &coverage)?,
+            ..default_axes(&coverage)
+        };
         let torque = setup.pair.operating.maximum_torque;
         let grid = sweep(&setup.solver, Flank::Drive, &axes, torque, &|_, _| ())?;
         let table = FlankTable::new(&grid, Interpolation::Spline)?;
@@ -130,7 +131,7 @@ impl Subject {
         let half_face = self.setup.half_face();
         let ste = exact.delta + exact.misalignment.abs() * half_face;
         Errors {
-            approach: (delta - exact.delta) / ste,
+            approach: [delta - exact.delta, ste],
             z,
             moment: z / half_face,
         }
@@ -162,14 +163,14 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let [a, b, c, d] = PARTS;
     let head = format!(
         "pair | misalignment {a} times its limit: largest error of the moment, % of F b/2 | {b} times | {c} times | {d} times | \
-         centre distance {a} to {d} times its limit | load {a} to {d} times the largest | {} % of the nominal torque: STE, rms error, % | \
+         centre distance {a} to {d} times its limit | load {a} to {d} times the largest | {} % of the nominal torque: STE, rms error, % of its rms | \
          largest, % | place of the force, rms error, % of b/2 | largest, % | rms error, mm",
         100.0 * LOW
     );
     data.table("edges", &head, &rows)
 }
 
-/// Cells of a row: errors of the moment (%), of the approach (%), of the place (% of half the face, mm).
+/// Cells of a row: errors of the moment (%), of the approach (% of the root of its mean square), of the place (% of half the face, mm).
 fn measured(subject: &Subject, count: usize, low: usize) -> [f64; 11] {
     let moment = |limit, part| {
         let errors = subject.beyond(limit, part, count);
@@ -184,8 +185,11 @@ fn measured(subject: &Subject, count: usize, low: usize) -> [f64; 11] {
     let distance = PARTS.map(|part| either(distances, part));
     let load = PARTS.map(|part| moment(Limit::Load, part));
     let errors = subject.low(low);
+    // At some misalignments the approach is next to nothing: errors are over the root of its mean square.
+    let ste = rms(errors.iter().map(|e| e.approach[1]));
+    let approach = errors.iter().map(|e| 100.0 * e.approach[0] / ste);
     let [approach, place, z]: [Vec<f64>; 3] = [
-        errors.iter().map(|e| 100.0 * e.approach).collect(),
+        approach.collect(),
         errors.iter().map(|e| 100.0 * e.moment).collect(),
         errors.iter().map(|e| 1e3 * e.z).collect(),
     ];

@@ -30,8 +30,8 @@ pub struct Problem<'a> {
     pub shortest: f64,
     /// How contact moves along the profile; `None`: it stays.
     pub movable: Option<Movable<'a>>,
-    /// Relative residual below which a step along the tangents of all laws is the last one, where contact stays: what it leaves is not
-    /// measured, and is of the order of the square. Zero: no such step.
+    /// Relative residual below which, where contact stays, a step along the tangents of all laws is the last one: what it leaves is not
+    /// measured, and is of the order of the square. With that square solves end anyway. Zero: no such step.
     pub last_step_from: f64,
 }
 
@@ -138,7 +138,7 @@ impl Problem<'_> {
                     residual,
                 });
             }
-            if balanced && residual <= TOLERANCE {
+            if balanced && residual <= TOLERANCE.max(self.last_step_from.powi(2)) {
                 return self.finish(at, placed, iteration);
             }
             let active = at.active();

@@ -34,8 +34,8 @@ pub struct ContactProblem {
     /// Length of a point of a segment that is half as long as a station, m. The end of contact cuts shorter ones off. There the
     /// line load rises without limit as the piece gets shorter, and its pressure says nothing.
     pub shortest: f64,
-    /// Violation of the contact conditions over the largest force below which a step along the tangents of all laws is the last of a solve:
-    /// what it leaves is of the order of the square. Zero, as made: solves go on until rounding is left.
+    /// Violation of the contact conditions over the largest force whose square a solve may leave, which then ends with a step along the
+    /// tangents of all laws. Zero, as made: it goes on until rounding is left.
     pub last_step_from: f64,
 }
 

@@ -69,27 +69,28 @@ pub fn mesh_positions(n: usize) -> Vec<f64> {
     (0..n).map(|i| i as f64 / n as f64).collect()
 }
 
-/// Default number of misalignments and how much denser they are at parallel axes; of [`misalignments`] for a wide tilt.
+/// Default number of misalignments and how much denser they are at parallel axes; number of those that are closer there.
 const MISALIGNMENTS: usize = 17;
 const GRADING: f64 = 2.0;
-const MISALIGNMENTS_WIDE: usize = 33;
+const MISALIGNMENTS_CLOSER: usize = 33;
 
 /// Nodes beyond a limit of the misalignment, over that limit. Without them the moment of shuttling, which the slope over the
 /// misalignment makes, is least certain at the limits, and beyond them it follows no solution.
 const OUTSIDE: [f64; 2] = [1.3, 1.6];
 
-/// Part of the nominal torque under which misalignments are tried: flanks without crowning tilt out within some microradians there, and
-/// approaches bend as sharply over the misalignment.
+/// Part of the nominal torque under which misalignments are tried: without crowning a few microradians lift one end of the face then,
+/// and over the misalignment the approach bends as sharply.
 const LOW_LOAD: f64 = 0.02;
 
-/// How far approach and place of the force may be off under it, see [`low_load_error`]. Measured on five shipped and ten random pairs:
-/// .001 to .008 with the misalignments of [`default_axes`], but for a pair without modifications (.10), one of random ones with next to
-/// no crowning (.0095) and one whose face is narrow (.009).
+/// Largest [`low_load_error`] of misalignments that are not made closer. Measured on five shipped and ten random pairs: 0.001 to
+/// 0.008 with those of [`default_axes`], but 0.0091 and 0.0095 for two random ones with little crowning and 0.10 for the pair without.
 const LOW_LOAD_ERROR: f64 = 0.008;
 
-/// Mesh positions at which misalignments are tried, how much closer they lie at parallel axes each time, and how often. Measured: the
-/// pair without modifications needs the third, spur faces of 150 mm tilted by 20 mrad the fourth.
+/// Mesh positions at which misalignments are tried.
 const TRIED_POSITIONS: usize = 4;
+
+/// How much closer misalignments lie at parallel axes from try to try, and how often. The pair without crowning needs the third, a spur face of
+/// 25 mm that 20 mrad tilt the fourth.
 const CLOSER: f64 = 4.0;
 const TIMES: i32 = 4;
 
@@ -170,7 +171,7 @@ pub fn misalignments(
             break;
         }
         apart /= CLOSER;
-        let nodes = coverage.with_outside(graded_to(range, MISALIGNMENTS_WIDE, apart));
+        let nodes = coverage.with_outside(graded_to(range, MISALIGNMENTS_CLOSER, apart));
         let found = low_load_error(source, geometry, coverage, &nodes)?;
         if found < error {
             (error, best) = (found, nodes);

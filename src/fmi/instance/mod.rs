@@ -4,22 +4,26 @@
 //! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time. A call that is refused changes nothing.
 
+mod derivatives;
+mod step;
+mod watch;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
+use super::inputs::{BODIES, InputValues, Resolution};
 use super::lifecycle::{Clock, Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
 use super::state::{InstanceState, StepLoads, new_handle, unknown};
 use super::variables::{
     Causality, FIRST_PARAMETER, INPUTS, Kind, OUTPUTS, VARIABLES, Variability, Variable,
-    all_finite, block_of, check_finite, check_value, find, index, index_of, output_row,
+    all_finite, block_of, check_value, find, index, index_of, output_row,
 };
 use super::{Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, Formulation, History, Inputs,
-    Jacobian, Loads, Mode, Outputs, PhaseOffset, Prediction, StepRequest, Workspace,
+    CONTINUOUS_OUTPUTS, Coupling, Element, Formulation, History, Inputs, Jacobian, Mode, Outputs,
+    PhaseOffset, Workspace,
 };
 use crate::words::number;
 
@@ -70,12 +74,6 @@ type Rows = [f64; OUTPUTS];
 const fn row(index: usize) -> usize {
     index - INPUTS
 }
-
-/// Warnings that the gears have left the range, of one instance.
-const MOST_WARNINGS: usize = 100;
-
-/// Order of the output derivatives that are offered.
-const OUTPUT_ORDER: i32 = 1;
 
 impl Instance {
     /// A new instance of the FMU with these resources.
@@ -141,11 +139,6 @@ impl Instance {
         }
     }
 
-    /// Events since the last call, for the log.
-    pub fn take_events(&mut self) -> Vec<(Severity, String)> {
-        std::mem::take(&mut self.events)
-    }
-
     /// See [`Function::admit`].
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
@@ -179,11 +172,6 @@ impl Instance {
         );
         self.report(Severity::Event, &text);
         Ok(())
-    }
-
-    fn report(&mut self, severity: Severity, text: &str) {
-        let text = format!("t = {} s: {text}", number(self.time()));
-        self.events.push((severity, text));
     }
 
     /// fmi2Reset: as after fmi2Instantiate; stored states stay valid.
@@ -487,342 +475,7 @@ impl Instance {
             number(self.state.inputs.get(i))
         ))
     }
-
-    /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
-    /// change that `seeds` gives of the inputs `known`. Exact but for `mesh.stiffness` and contact at run time, which have
-    /// central differences; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
-    /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
-    /// are among what is known, too: by differences of the outputs, good to some eight digits.
-    /// Errors: references that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
-    /// which there are no outputs.
-    pub fn directional_derivative(
-        &mut self,
-        unknown: &[u32],
-        known: &[u32],
-        seeds: &[f64],
-    ) -> Result<Vec<f64>, Refusal> {
-        let rows = rows(unknown)?;
-        let mut direction = Direction::zeros();
-        let mut by_parameters = [0.0; OUTPUTS];
-        for (&reference, &seed) in known.iter().zip(seeds) {
-            let i = find(Kind::Real, reference)?;
-            let name = VARIABLES[i].name;
-            check_finite(&format!("the seed of {name}"), seed)?;
-            if i < INPUTS {
-                let (column, change) = self.state.inputs.direction(i, self.settings.orientation);
-                let mut columns = direction.fixed_rows_mut::<3>(column);
-                columns += change * seed;
-            } else if output_row(i).is_some() {
-                return Err(no_input(i, ""));
-            } else if self.state.phase_offset.is_some() {
-                let reason = "; by parameters there are derivatives in Initialization Mode alone";
-                return Err(no_input(i, reason));
-            } else {
-                let slopes = self.by_parameter(i)?;
-                for (sum, slope) in by_parameters.iter_mut().zip(slopes) {
-                    *sum += slope * seed;
-                }
-            }
-        }
-        let mut slopes = self.along(&rows, &direction)?;
-        for (slope, row) in slopes.iter_mut().zip(rows) {
-            *slope += by_parameters[row];
-            if !slope.is_finite() {
-                return Err(self.not_finite("the derivative of ", row));
-            }
-        }
-        Ok(slopes)
-    }
-
-    /// Derivatives of the outputs by the Real parameter `i`: by differences, from one side where the other is no value of
-    /// it.
-    fn by_parameter(&mut self, i: usize) -> Result<[f64; OUTPUTS], Refusal> {
-        /// Of the larger one of value and nominal value.
-        const STEP: f64 = 1e-5;
-        const POSITION: usize = row(index::MESH_POSITION);
-        // While this instance has its element, the others share the interpolants of its tables.
-        self.ready()?;
-        let value = self.state.parameters[i - FIRST_PARAMETER];
-        let step = STEP * value.abs().max(VARIABLES[i].nominal);
-        let with = |x: f64| -> Result<_, Refusal> {
-            let mut other = Self::new(self.resources.clone(), self.state.interface);
-            let mut state = self.state.clone();
-            state.parameters[i - FIRST_PARAMETER] = x;
-            other.go_to(state)?;
-            Ok((x, *other.outputs()?))
-        };
-        let (high, above) = with(value + step).or_else(|_| with(value))?;
-        let (low, below) = with(value - step).or_else(|_| with(value))?;
-        Ok(std::array::from_fn(|row| {
-            let change = above[row] - below[row];
-            // The mesh position goes on at 0 where it ends at 1.
-            let turns = if row == POSITION { change.round() } else { 0.0 };
-            (change - turns) / (high - low)
-        }))
-    }
-
-    /// Derivatives of the outputs `rows` along `direction`. Before phases are taken those follow the pose.
-    fn along(&mut self, rows: &[usize], direction: &Direction) -> Result<Vec<f64>, Refusal> {
-        const STIFFNESS: usize = row(index::MESH_STIFFNESS);
-        let with_stiffness = rows.contains(&STIFFNESS);
-        let is_known = match self.slopes {
-            Slopes::Stale => false,
-            Slopes::WithoutStiffness => !with_stiffness,
-            Slopes::All => true,
-        };
-        if !is_known {
-            self.slopes = Slopes::Stale;
-            let phase = self.state.phase_offset;
-            let (element, buffers) = self.ready()?;
-            let (slopes, workspace) = (&mut buffers.slopes, &mut buffers.workspace);
-            element.slopes(
-                phase.as_ref(),
-                &buffers.motions,
-                with_stiffness,
-                slopes,
-                workspace,
-            )?;
-            self.slopes = match with_stiffness {
-                true => Slopes::All,
-                false => Slopes::WithoutStiffness,
-            };
-        }
-        let slopes = *self.buffers.slopes * direction;
-        // What is known of the master changes at steps alone.
-        let slope = |&row: &usize| match slopes.get(row).copied().unwrap_or(0.0) {
-            slope if slope.is_finite() => Ok(slope),
-            _ => Err(self.not_finite("the derivative of ", row)),
-        };
-        rows.iter().map(slope).collect()
-    }
-
-    /// fmi2SetRealInputDerivatives; all or none.
-    /// Errors: unknown references, variables that are no inputs, orders beyond 1 to 3, values
-    /// that are not finite.
-    pub fn set_input_derivatives(
-        &mut self,
-        references: &[u32],
-        orders: &[i32],
-        values: &[f64],
-    ) -> Result<(), Refusal> {
-        let mut inputs = self.state.inputs.clone();
-        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let i = find(Kind::Real, reference)?;
-            let name = VARIABLES[i].name;
-            if i >= INPUTS {
-                return Err(no_input(i, ""));
-            }
-            let known = usize::try_from(order).ok();
-            let known = known.filter(|order| (1..=MAXIMUM_ORDER).contains(order));
-            let order = known.ok_or_else(|| {
-                Refusal::error(format!(
-                    "order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
-                ))
-            })?;
-            check_finite(&format!("derivative {order} of {name}"), value)?;
-            inputs.set_derivative(i, order, value);
-        }
-        self.state.inputs = inputs;
-        Ok(())
-    }
-
-    /// fmi2GetRealOutputDerivatives: time derivatives of the outputs at the current communication
-    /// point, of the first order. Poses change with the velocity inputs, which are
-    /// their derivatives, and velocities with the input derivatives that the host gave.
-    /// Errors: references that are no outputs, another order than 1, inputs at which there are no outputs.
-    pub fn output_derivatives(
-        &mut self,
-        references: &[u32],
-        orders: &[i32],
-    ) -> Result<Vec<f64>, Refusal> {
-        if let Some(order) = orders.iter().find(|order| **order != OUTPUT_ORDER) {
-            return Err(Refusal::error(format!(
-                "order {order}; order {OUTPUT_ORDER} is offered"
-            )));
-        }
-        let mut direction = Direction::zeros();
-        for body in 0..BODIES.len() {
-            for (k, rate) in self.state.inputs.rates(body).iter().enumerate() {
-                let column = body * BODY_COLUMNS + 3 * k;
-                direction.fixed_rows_mut::<3>(column).copy_from(rate);
-            }
-        }
-        self.along(&rows(references)?, &direction)
-    }
-
-    /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
-    /// evaluates there, or predicts the loads by the coupling. A step that is refused changes nothing.
-    /// Errors: a step that is not positive, does not start where the last one ended, or passes the stop time;
-    /// inputs at which there are no outputs. A step that is discarded for its inputs, and tried again as it was, is an
-    /// error: it would be tried for ever.
-    pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
-        let clock = self.state.clock.after(point, step)?;
-        if let Err(mut refusal) = self.advance(step) {
-            if refusal.severity == Severity::Discard {
-                let tried = Some(([point, step], self.state.inputs.clone()));
-                if self.discarded == tried {
-                    refusal.severity = Severity::Error;
-                }
-                self.discarded = tried;
-            }
-            return Err(refusal);
-        }
-        self.state.clock = clock;
-        self.watch_range();
-        Ok(())
-    }
-
-    /// Outputs of the step, with loads by the coupling; the others belong to where derivatives of the inputs lead.
-    fn advance(&mut self, step: f64) -> Result<(), Refusal> {
-        let end = self.state.inputs.after(step);
-        let coupling = self.settings.coupling;
-        if end.is_none() && coupling == Coupling::Held {
-            return self.outputs().map(drop);
-        }
-        if let Some(i) = end.as_ref().and_then(InputValues::fault) {
-            return Err(self.overflow(i, "an input overflows within the step"));
-        }
-        let found = match coupling {
-            Coupling::Held => None,
-            _ => Some(self.predict(coupling, step)?),
-        };
-        let start = end.map(|end| std::mem::replace(&mut self.state.inputs, end));
-        let outcome = self.committed(found, start.is_some());
-        if let Some(start) = start.filter(|_| outcome.is_err()) {
-            self.state.inputs = start;
-            self.changed();
-        }
-        outcome
-    }
-
-    /// Takes over what was `found` for a step, which has moved the inputs or not.
-    fn committed(&mut self, found: Option<Prediction>, moved: bool) -> Result<(), Refusal> {
-        let all = match &found {
-            Some(found) if !moved => found.outputs,
-            _ => self.law()?,
-        };
-        let mut history = found.as_ref().and_then(|found| found.history);
-        // Held loads are those where derivatives of the inputs lead, whatever holds them.
-        let held = moved && history.as_ref().is_none_or(History::is_held);
-        if let Some(history) = history.as_mut().filter(|_| held) {
-            *history = self.ready()?.0.held_at(history, &all);
-        }
-        let loads = found.filter(|_| !held).map(|found| StepLoads {
-            given: found.loads,
-            beyond: found.loads.without(&Loads::at(&all)),
-            moved: false,
-        });
-        let outputs = self.rows(&all, loads.as_ref(), history.as_ref())?;
-        self.changed();
-        self.outputs = Some(outputs);
-        let before = std::mem::replace(&mut self.state.history, history);
-        self.state.loads = loads;
-        self.watch_master(before.as_ref());
-        Ok(())
-    }
-
-    /// Loads for a step of `length` s from the present inputs.
-    fn predict(&mut self, coupling: Coupling, length: f64) -> Result<Prediction, Refusal> {
-        let request = StepRequest {
-            coupling,
-            length,
-            effective_mass: self.settings.effective_mass,
-        };
-        let last = self.state.history;
-        let (element, buffers, phase) = self.in_phase()?;
-        let (motions, workspace) = (&buffers.motions, &mut buffers.workspace);
-        Ok(element.predict(&phase, motions, last.as_ref(), &request, workspace)?)
-    }
-
-    /// Reports when loads come to be made otherwise than in the step before.
-    fn watch_master(&mut self, before: Option<&History>) {
-        let mode = |history: &History| history.report.mode;
-        let (was, now) = (before.map(mode), self.state.history.as_ref().map(mode));
-        let (was, now) = (was.unwrap_or_default(), now.unwrap_or_default());
-        if was == now || self.turns > MOST_WARNINGS {
-            return;
-        }
-        self.turns += 1;
-        let Some(report) = self.state.history.map(|history| history.report) else {
-            return;
-        };
-        let (mass, theta) = (report.effective_mass, report.theta);
-        let rule = format!("effective mass {mass:.4} kg, x' - x - H v = {theta:.2} H (v' - v)");
-        let (severity, text) = match now {
-            Mode::Held => (
-                Severity::Event,
-                "coupling: loads of the communication point".into(),
-            ),
-            Mode::TooLong => (
-                Severity::Warning,
-                format!(
-                    "coupling: loads of the communication point, for the step is {:.2} of the mesh's own radians per step, and 1.7 at most can be \
-                     predicted: take a shorter step",
-                    report.angle
-                ),
-            ),
-            Mode::Sequential => (
-                Severity::Event,
-                format!(
-                    "coupling: loads for the step that starts at the communication point ({rule})"
-                ),
-            ),
-            Mode::Parallel => (
-                Severity::Event,
-                format!("coupling: loads for the step after the one asked for ({rule})"),
-            ),
-        };
-        self.report(severity, &text);
-    }
-
-    /// Why the pose is outside the range, in words; empty where the load is.
-    fn out_of_range(&mut self) -> Result<String, Refusal> {
-        let outputs = self.law()?;
-        let (element, buffers) = self.ready()?;
-        Ok(element.out_of_range(&buffers.motions, &outputs)?)
-    }
-
-    /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
-    fn watch_range(&mut self) {
-        let Some(outputs) = &self.outputs else {
-            return;
-        };
-        let out_of_range = outputs[row(index::MESH_OUT_OF_RANGE)] != 0.0;
-        if std::mem::replace(&mut self.state.out_of_range, out_of_range) == out_of_range {
-            return;
-        }
-        if !out_of_range {
-            return self.report(Severity::Event, "in range again");
-        }
-        let reasons = self.out_of_range().unwrap_or_default();
-        // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
-        if reasons.is_empty() {
-            return self.report(Severity::Event, "the load left the range of the table");
-        }
-        self.departures += 1;
-        if self.departures <= MOST_WARNINGS {
-            self.report(Severity::Warning, &format!("out of range: {reasons}"));
-        } else if self.departures == MOST_WARNINGS + 1 {
-            let text = "out of range once more: no more warnings of this follow";
-            self.report(Severity::Warning, text);
-        }
-    }
-}
-
-fn no_input(i: usize, reason: &str) -> Refusal {
-    Refusal::error(format!("{} is no input{reason}", VARIABLES[i].name))
-}
-
-/// Rows of the outputs with these references.
-fn rows(references: &[u32]) -> Result<Vec<usize>, Refusal> {
-    let row = |&reference: &u32| {
-        let i = find(Kind::Real, reference)?;
-        let name = VARIABLES[i].name;
-        output_row(i).ok_or_else(|| Refusal::error(format!("{name} is no output")))
-    };
-    references.iter().map(row).collect()
 }
 
 #[cfg(test)]
-#[path = "instance_tests.rs"]
 pub(super) mod tests;

@@ -4,243 +4,20 @@
 //! B^T q of the meshes. Loads act over the step (theta = 1/2), as an impulse at its begin (1, as in `v += h a; x += h v`) or at its
 //! end (0, the explicit Euler rule).
 
+mod bodies;
+mod packed;
+
+pub use bodies::{Bodies, systems};
+pub use packed::{Packed, Told};
+
 use super::cosimulation::TABLES;
 use crate::data::{Data, rms};
 use crate::driver::Master;
-use crate::{Context, Result, in_repository};
-use gearmesh::fmi::instance::Instance;
-use gearmesh::fmi::lifecycle::Interface;
-use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
-use gearmesh::fmi::variables::{Kind, VARIABLES, index};
-use gearmesh::table::TableFile;
-use gearmesh_preprocessor::package::Starts;
+use crate::{Context, Result};
 use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeMap;
+use packed::Mesh;
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
-use std::sync::Arc;
-
-/// What a unit is told, as the numbers of `coupling` in modelDescription.xml.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Told {
-    Held = 1,
-    Sequential = 2,
-    Parallel = 3,
-    Automatic = 4,
-}
-
-/// The packed pair that all meshes have, and its unit by what it is told.
-pub struct Packed {
-    units: Vec<Arc<Resources>>,
-    /// Of gear 1, m.
-    base_radius: f64,
-    teeth: f64,
-    ratio: f64,
-    /// Effective mass, kg, of both gears; stiffness, N/m, and load, N, on the line of action.
-    mass: f64,
-    stiffness: f64,
-    load: f64,
-    /// Packed step, s.
-    pub step: f64,
-}
-
-impl Packed {
-    /// The shipped pair `name` with both flanks.
-    pub fn new(name: &str) -> Result<Self> {
-        Self::with_damping(name, 1.0)
-    }
-
-    /// The same with `share` of the packed damping.
-    pub fn with_damping(name: &str, share: f64) -> Result<Self> {
-        let tables = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
-        let geometry = tables.geometry.clone();
-        let dynamics = Starts::of_tables(&tables)?.dynamics(&geometry);
-        let cosine = geometry
-            .operating_pressure_angle(geometry.center_distance)
-            .cos();
-        let starts = [
-            (index::STIFFNESS_MODEL, 2.0),
-            (index::NOMINAL_TORQUE, tables.nominal_torque_nm),
-            (index::CONSTANT_STIFFNESS, dynamics.stiffness.mean),
-            (index::GEAR2_POSITION_1, geometry.center_distance),
-            (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
-            (index::DAMPING, share * dynamics.damping),
-            (index::EFFECTIVE_MASS, dynamics.effective_mass),
-            (index::LOADED_FLANK, 3.0),
-            (index::BACKLASH, 100e-6),
-        ];
-        let units = [
-            Told::Held,
-            Told::Sequential,
-            Told::Parallel,
-            Told::Automatic,
-        ]
-        .map(|told| {
-            let starts = starts
-                .into_iter()
-                .chain([(index::COUPLING, f64::from(told as u8))]);
-            let starts: BTreeMap<_, _> = starts
-                .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
-                .collect();
-            let unit = UnitFile {
-                version: UNIT_VERSION,
-                guid: String::new(),
-                name: name.into(),
-                starts,
-                geometry: geometry.clone(),
-            };
-            Resources::new(unit, Some(tables.clone()), None).map(Arc::new)
-        });
-        Ok(Self {
-            units: units.into_iter().collect::<std::result::Result<_, _>>()?,
-            base_radius: geometry.gears[0].base_radius(),
-            teeth: geometry.gears[0].z(),
-            ratio: -geometry.e() * geometry.gears[0].z() / geometry.gears[1].z(),
-            mass: dynamics.effective_mass,
-            stiffness: dynamics.stiffness.mean / cosine.powi(2),
-            load: tables.nominal_torque_nm / geometry.gears[0].base_radius(),
-            step: dynamics.step(),
-        })
-    }
-
-    fn omega(&self) -> f64 {
-        (self.stiffness / self.mass).sqrt()
-    }
-
-    /// Both gears as steel bodies, of equal masses.
-    fn gear(&self) -> f64 {
-        2.0 * self.mass
-    }
-}
-
-/// Linear bodies and the meshes between them.
-#[derive(Clone)]
-pub struct Bodies {
-    pub name: &'static str,
-    mass: DVector<f64>,
-    stiffness: DMatrix<f64>,
-    damping: DMatrix<f64>,
-    /// Columns: meshes.
-    meshes: DMatrix<f64>,
-    load: DVector<f64>,
-    /// Mesh frequency, or those between which a sweep goes up and down, over that of the mode.
-    sweep: Option<[f64; 2]>,
-    /// More than both gears hangs on the meshes: errors may be larger.
-    pub train: bool,
-}
-
-impl Bodies {
-    fn new(name: &'static str, mass: &[f64], meshes: &[(usize, &[(usize, f64)])]) -> Self {
-        let n = mass.len();
-        let mut all = DMatrix::zeros(n, meshes.len());
-        for (mesh, parts) in meshes {
-            for (body, sign) in *parts {
-                all[(*body, *mesh)] = *sign;
-            }
-        }
-        Self {
-            name,
-            mass: DVector::from_row_slice(mass),
-            stiffness: DMatrix::zeros(n, n),
-            damping: DMatrix::zeros(n, n),
-            meshes: all,
-            load: DVector::zeros(n),
-            sweep: None,
-            train: false,
-        }
-    }
-
-    /// A spring of `stiffness`, N/m, and a damping ratio with the `mass` it carries, kg, between two bodies or to the ground.
-    fn spring(mut self, ends: &[(usize, f64)], stiffness: f64, zeta: f64, mass: f64) -> Self {
-        let mut row = DVector::zeros(self.mass.len());
-        for (body, sign) in ends {
-            row[*body] = *sign;
-        }
-        let square = &row * row.transpose();
-        self.damping += &square * (2.0 * zeta * (stiffness * mass).sqrt());
-        self.stiffness += square * stiffness;
-        self
-    }
-
-    fn loaded(mut self, loads: &[(usize, f64)]) -> Self {
-        for (body, load) in loads {
-            self.load[*body] = *load;
-        }
-        self
-    }
-
-    /// Both gears alone.
-    pub fn pair(p: &Packed) -> Self {
-        let (m, load) = (p.gear(), p.load);
-        Self::new("pair", &[m, m], &[(0, &[(0, 1.0), (1, -1.0)])]).loaded(&[(0, load), (1, -load)])
-    }
-
-    /// The same through the resonance with separation and back.
-    pub fn swept(p: &Packed) -> Self {
-        let mut bodies = Self::pair(p);
-        (bodies.name, bodies.sweep) = ("run-up and run-down", Some([0.6, 1.1]));
-        bodies
-    }
-
-    /// Two stages with a shaft of `torsion` N m/rad between them.
-    pub fn stages(p: &Packed, name: &'static str, torsion: f64, zeta: f64) -> Self {
-        let (m, load) = (p.gear(), p.load);
-        let meshes: [(usize, &[(usize, f64)]); 2] =
-            [(0, &[(0, 1.0), (1, -1.0)]), (1, &[(2, 1.0), (3, -1.0)])];
-        let shaft = torsion / p.base_radius.powi(2);
-        let mut bodies = Self::new(name, &[m; 4], &meshes)
-            .spring(&[(1, 1.0), (2, -1.0)], shaft, zeta, 0.5 * m)
-            .loaded(&[(0, load), (3, -load)]);
-        bodies.train = true;
-        bodies
-    }
-
-    /// Both gears spin, and modes on bearings of damping ratio 0.0006 move the mesh besides.
-    pub fn bearings(p: &Packed) -> Self {
-        let (m, load) = (p.gear(), p.load);
-        let masses = [m, m, 2.0 * m, 2.0 * m, 2.0 * m, 2.0 * m, 2.0 * m];
-        let parts = [1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
-        let parts: Vec<(usize, f64)> = parts.into_iter().enumerate().collect();
-        let mut bodies =
-            Self::new("bearings", &masses, &[(0, &parts)]).loaded(&[(0, load), (1, -load)]);
-        for (body, hertz) in [(2, 2e3), (3, 5e3), (4, 9e3), (5, 20e3), (6, 33e3)] {
-            let stiffness = 2.0 * m * (TAU * hertz).powi(2);
-            bodies = bodies.spring(&[(body, 1.0)], stiffness, 6e-4, 2.0 * m);
-        }
-        bodies.train = true;
-        bodies
-    }
-
-    /// A sun, three planets on pins in a heavy carrier, and a ring that stands: six meshes, which start with the flanks in touch
-    /// that will carry, or at the ring with the others, so that the planets first cross the backlash.
-    pub fn planetary(p: &Packed, name: &'static str, crossing: bool) -> Self {
-        const PLANETS: usize = 3;
-        let (m, load) = (p.gear(), p.load);
-        // Sun, spin of the planets, their way with the carrier, carrier.
-        let carrier = 2 * PLANETS + 1;
-        let mut masses = vec![m; 1 + PLANETS];
-        masses.extend([1.4 * m; PLANETS]);
-        masses.push(10.0 * m);
-        let ring = if crossing { -1.0 } else { 1.0 };
-        let parts: Vec<Vec<(usize, f64)>> = (0..PLANETS)
-            .map(|i| vec![(0, 1.0), (1 + i, -1.0), (1 + PLANETS + i, -1.0)])
-            .chain((0..PLANETS).map(|i| vec![(1 + i, ring), (1 + PLANETS + i, -ring)]))
-            .collect();
-        let meshes: Vec<(usize, &[(usize, f64)])> = parts
-            .iter()
-            .enumerate()
-            .map(|(j, parts)| (j, &parts[..]))
-            .collect();
-        let loads = [(0, 3.0 * load), (carrier, -6.0 * load)];
-        let mut bodies = Self::new(name, &masses, &meshes).loaded(&loads);
-        for i in 0..PLANETS {
-            let ends = [(1 + PLANETS + i, 1.0), (carrier, -1.0)];
-            bodies = bodies.spring(&ends, 2e8, 2e-3, 1.4 * m);
-        }
-        bodies.train = true;
-        bodies
-    }
-}
 
 /// Of the fine steps that times are counted in, in a packed step.
 const TICKS: usize = 20;
@@ -266,54 +43,6 @@ const DURATION: f64 = 24e-3;
 const SWEEP: f64 = 40e-3;
 /// Mesh cycles of a planet's meshes against those of the first one.
 const PHASE: f64 = 0.3;
-
-/// One unit and its gear 1 and gear 2 as they turn.
-struct Mesh {
-    unit: Instance,
-}
-
-impl Mesh {
-    fn new(p: &Packed, told: Told) -> Result<Self> {
-        let resources = p.units[told as usize - 1].clone();
-        let mut unit = Instance::new(resources, Interface::CoSimulation);
-        unit.setup(0.0, None)?;
-        unit.exit_initialization()?;
-        Ok(Self { unit })
-    }
-
-    /// Force on the line of action for a step of `step` s at the `approach` and its rate, while both gears turn by `angle` at `speed`.
-    fn step(
-        &mut self,
-        p: &Packed,
-        [angle, speed]: [f64; 2],
-        [approach, rate]: [f64; 2],
-        step: f64,
-        derivatives: bool,
-    ) -> Result<f64> {
-        let inputs = [
-            (index::GEAR1_ANGLES_3, angle + approach / p.base_radius),
-            (
-                index::GEAR1_ANGULAR_VELOCITY_3,
-                speed + rate / p.base_radius,
-            ),
-            (index::GEAR2_ANGLES_3, p.ratio * angle),
-            (index::GEAR2_ANGULAR_VELOCITY_3, p.ratio * speed),
-        ];
-        let references = inputs.map(|(i, _)| VARIABLES[i].value_reference);
-        self.unit
-            .set(Kind::Real, &references, &inputs.map(|(_, x)| x))?;
-        if derivatives {
-            let angles = [references[0], references[2]];
-            let speeds = [inputs[1].1, inputs[3].1];
-            self.unit.set_input_derivatives(&angles, &[1, 1], &speeds)?;
-        }
-        self.unit.do_step(self.unit.time(), step)?;
-        let mut moment = 0.0;
-        let reference = [VARIABLES[index::GEAR1_MOMENT_3].value_reference];
-        self.unit.get(Kind::Real, &reference, |x| moment = x[0])?;
-        Ok(-moment / p.base_radius)
-    }
-}
 
 /// Angle and speed of gear 1, rad and rad/s, at `t` s in a run of `duration` s with `cycles` mesh cycles a second, or in its sweep.
 fn turning(p: &Packed, bodies: &Bodies, cycles: f64, t: f64, duration: f64) -> [f64; 2] {
@@ -579,20 +308,6 @@ pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
         }
     }
     Ok(found)
-}
-
-/// Everything that hangs on the gears.
-pub fn systems(p: &Packed) -> Vec<Bodies> {
-    vec![
-        Bodies::pair(p),
-        Bodies::swept(p),
-        Bodies::stages(p, "two stages, 3.35e5 N m/rad, 0.5 %", 3.35e5, 5e-3),
-        Bodies::stages(p, "two stages, 1e7 N m/rad, 0.1 %", 1e7, 1e-3),
-        Bodies::stages(p, "two stages, 2e7 N m/rad, 2 %", 2e7, 2e-2),
-        Bodies::bearings(p),
-        Bodies::planetary(p, "planetary", false),
-        Bodies::planetary(p, "planetary across its backlash", true),
-    ]
 }
 
 /// Largest departure of the force from that of held loads along a given motion, over the nominal load, %.

@@ -297,7 +297,7 @@ impl Coverage {
 }
 
 /// `n` numbers in [low, high), one in each of `n` equal parts, in random order.
-fn stratified(random: &mut Random, n: usize, [low, high]: [f64; 2]) -> Vec<f64> {
+pub(super) fn stratified(random: &mut Random, n: usize, [low, high]: [f64; 2]) -> Vec<f64> {
     let part = (high - low) / n as f64;
     let mut numbers: Vec<f64> = (0..n)
         .map(|i| low + part * (i as f64 + random.next()))

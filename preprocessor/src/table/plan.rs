@@ -4,14 +4,15 @@
 //! along each axis by itself, the cheapest combination is swept and measured at random points of all
 //! coordinates, and the next combination follows from what was found.
 //!
-//! Along an axis, the solver gives fine lines through random points of the other coordinates. From few nodes on, a node is put
+//! Along an axis, the solver gives fine lines through random points of the other coordinates. Each position costs as much as
+//! hundreds of solves, so lines over positions share them, each at a misalignment of its own. From few nodes on, a node is put
 //! into the middle of the interval where the splines through the nodes so far miss the fine solution most, again and again,
 //! without another solve. That gives, for each axis, error over number of nodes. The error at a point is that of the force, or
 //! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
     Coverage, Nominal, SEED, TOGETHER, closest, displacement_nodes, graded, graded_to, measure_at,
-    mesh_positions,
+    mesh_positions, stratified,
 };
 use super::sweep::{Progress, StaticSource, sweep};
 use gearmesh::gear::{Flank, PairGeometry};
@@ -30,6 +31,9 @@ const LARGEST_TO_RMS: f64 = 7.5;
 const MOMENT_TO_FORCE: f64 = 2.0;
 
 const ROUNDS: u64 = 4;
+
+/// Lines over the centre distance or the mesh position that share positions, each with a misalignment of its own.
+const SHARING: usize = 4;
 
 /// Random points on which a grid is tried, and on which the chosen one's error is reported.
 const TRIAL_POINTS: usize = 600;
@@ -250,11 +254,19 @@ impl Lines {
             Axis::Misalignment => (24, 9 * nodes.len()),
             Axis::CenterDistance | Axis::MeshPosition => (16, 9 * nodes.len()),
         };
+        // Where each node of a line is a position with an influence matrix of its own, lines share positions.
+        let (together, range) = match (axis, coverage.misalignment) {
+            (Axis::CenterDistance | Axis::MeshPosition, Some(range)) => (SHARING, range),
+            _ => (1, [0.0; 2]),
+        };
         let mut grids = Vec::with_capacity(count);
-        for k in 1..=count {
-            let q = coverage.draw_query(&mut random, 1.0);
-            let [_, c, m, p] = q.coordinates();
+        while grids.len() < count {
+            let [_, c, m, p] = coverage.draw_query(&mut random, 1.0).coordinates();
             let mut all = [vec![c], vec![m], displacement_nodes(8, 1.3), vec![p]];
+            if together > 1 {
+                all[Axis::Misalignment as usize] = stratified(&mut random, together, range);
+                all[Axis::Misalignment as usize].sort_by(f64::total_cmp);
+            }
             all[axis as usize].clone_from(&nodes);
             let axes = Axes::from(all);
             let grid = sweep(
@@ -264,9 +276,15 @@ impl Lines {
                 coverage.maximum_torque,
                 &|_, _| (),
             )?;
-            progress(k * solves, count * solves);
-            let table = through(&grid)?;
-            grids.push((grid, table));
+            for line in 0..together {
+                let line = match together {
+                    1 => grid.clone(),
+                    _ => grid.with_nodes(Axis::Misalignment, &[line]),
+                };
+                let table = through(&line)?;
+                grids.push((line, table));
+            }
+            progress(grids.len() * solves, count * solves);
         }
         let inside = match axis {
             Axis::Misalignment => coverage.inside_of(&nodes),

@@ -88,7 +88,7 @@ impl Bodies {
             w = next;
             step_is_last = size(&step) <= LAST_STEP * (start[0].abs() + x[0].abs());
         }
-        Err(ElementError(
+        Err(ElementError::Law(
             "bodyEffect = true: no balance is found between the teeth and the gear bodies; the load lies far beyond that of the tables, \
              or set bodyEffect = false"
                 .into(),

@@ -151,7 +151,7 @@ impl Constants {
 /// The base circles overlap (external) or do not contain one another (internal) at the centre distance `c`, m.
 #[cold]
 fn no_line_of_action(c: f64, limit: f64, nominal: f64) -> ElementError {
-    ElementError(format!(
+    ElementError::Pose(format!(
         "centre distance {} mm is below {} mm, where the base circles leave no common tangent; move the gears apart or check \
          which gear is which (with gear 1 at the origin gear2.position[1] starts as {} m: a host that fills all inputs with \
          zeros must set it)",

@@ -45,7 +45,7 @@ impl Element {
                 LoadedFlank::Coast => ("coast", -1.0),
                 _ => ("drive", 1.0),
             };
-            return Err(ElementError(format!(
+            return Err(ElementError::Pose(format!(
                 "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
                  back from this flank, and they have come to the tooth behind: set loadedFlank = both{}",
                 1e3 * penetration,

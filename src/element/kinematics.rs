@@ -386,7 +386,7 @@ pub(crate) fn check_tilt(body: &str, reference: &str, cosine: f64) -> Result<(),
 #[cold]
 fn tilted(body: &str, reference: &str, cosine: f64) -> ElementError {
     let [tilt, limit] = [cosine.clamp(-1.0, 1.0).acos(), TILT_LIMIT].map(f64::to_degrees);
-    ElementError(format!(
+    ElementError::Pose(format!(
         "the axis of {body} is tilted by {tilt:.3} deg against {reference}; the element holds up to {limit:.1} deg and both z \
          axes must point alike"
     ))

@@ -344,12 +344,12 @@ impl Law {
                 let solved = solved_potential(contact, at, counts, want_hessian, warm, found);
                 solved.map_err(|error| {
                     let reason = format!("stiffnessModel = contact finds no loads: {error}");
-                    ElementError(reason)
+                    ElementError::Law(reason)
                 })?
             }
             Source::Custom(law) => law
                 .evaluate(&query, counts, want_hessian)
-                .map_err(ElementError)?,
+                .map_err(ElementError::Law)?,
         })
     }
 

@@ -135,7 +135,7 @@ impl Element {
             (StiffnessModel::Contact, _) => {
                 let reason = "stiffnessModel = contact, but the FMU does not hold the contact of its pair: build it with \
                               `gearmesh build --contact`, or set stiffnessModel = table";
-                return Err(ElementError(reason.into()));
+                return Err(ElementError::Parameter(reason.into()));
             }
             (StiffnessModel::Constant, _) => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
@@ -146,7 +146,7 @@ impl Element {
             (StiffnessModel::Table | StiffnessModel::Teeth, None) => {
                 let reason = "stiffnessModel = table or teeth, but there is no table: pack one with `gearmesh tables`, or set \
                               stiffnessModel = constant";
-                return Err(ElementError(reason.into()));
+                return Err(ElementError::Parameter(reason.into()));
             }
             (StiffnessModel::Table | StiffnessModel::Teeth, Some(table)) => table,
         };

@@ -4,22 +4,31 @@ use super::dual::Scalar;
 use crate::table::TableError;
 use nalgebra::{Matrix3, Vector3};
 
-/// Why an element cannot be made, or has no meaning at a pose: names the parameter or the body, its value and what would be
-/// right.
+/// Why an element cannot be made, or has no outputs at a pose. The text names the parameter or the body, its value and what
+/// would be right.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct ElementError(pub(crate) String);
+pub enum ElementError {
+    /// No pose helps: a parameter without meaning, or one that asks for what the pair, its table or its contact lacks.
+    #[error("{0}")]
+    Parameter(String),
+    /// The pose has no meaning, or is no mesh.
+    #[error("{0}")]
+    Pose(String),
+    /// The law of a flank has no potential at the pose.
+    #[error("{0}")]
+    Law(String),
+}
 
 impl ElementError {
     /// The parameter `name` of the FMU has no meaning with `value`, which has its unit.
     pub(crate) fn parameter(name: &str, value: &str, remedy: &str) -> Self {
-        Self(format!("{name} = {value}: {remedy}"))
+        Self::Parameter(format!("{name} = {value}: {remedy}"))
     }
 }
 
 impl From<TableError> for ElementError {
     fn from(error: TableError) -> Self {
-        Self(error.to_string())
+        Self::Parameter(error.to_string())
     }
 }
 
@@ -74,7 +83,7 @@ impl Motion {
                  normalise the quaternion or rebuild the matrix"
             ),
         };
-        Err(ElementError(format!("{body}: {reason}")))
+        Err(ElementError::Pose(format!("{body}: {reason}")))
     }
 }
 

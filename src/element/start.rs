@@ -43,7 +43,7 @@ impl Element {
         let phase = self.phase_offset(inputs)?;
         let reasons = self.apart(inputs)?.join("; ");
         if !reasons.is_empty() {
-            return Err(ElementError(format!(
+            return Err(ElementError::Pose(format!(
                 "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
             )));
         }
@@ -62,7 +62,7 @@ impl Element {
         for (force, largest) in [(pressed, largest), (rigid, largest_rigid)] {
             if force > largest {
                 let [force, largest] = [force, largest].map(|x| fixed(1e-3 * x, 2));
-                return Err(ElementError(format!(
+                return Err(ElementError::Pose(format!(
                     "the initial pose jams the teeth with {force} kN on the line of action, where the largest load is {largest} \
                      kN: {}; correct the positions and orientations of the gears{}",
                     self.pose_in_words(&outputs),
@@ -205,7 +205,7 @@ impl Element {
     ) -> Result<PhaseOffset<T>, ElementError> {
         let pose = Pose::<T>::new(self, inputs)?;
         if !pose.map.has_line_of_action {
-            return Err(ElementError(
+            return Err(ElementError::Pose(
                 "at the initial pose the gears are out of mesh; start from a pose in mesh".into(),
             ));
         }

@@ -65,9 +65,16 @@ impl Refusal {
     }
 }
 
-/// Where the element has no outputs, the host may try elsewhere.
+/// Where a pose has no outputs, the host may try elsewhere; no pose mends a parameter.
 impl From<ElementError> for Refusal {
     fn from(error: ElementError) -> Self {
-        Refusal::discard(error.to_string())
+        let severity = match error {
+            ElementError::Parameter(_) => Severity::Error,
+            ElementError::Pose(_) | ElementError::Law(_) => Severity::Discard,
+        };
+        Refusal {
+            severity,
+            message: error.to_string(),
+        }
     }
 }

@@ -238,6 +238,20 @@ fn range_warnings_come_with_the_outputs_and_end_after_a_hundred() {
 }
 
 #[test]
+fn a_parameter_that_makes_no_element_is_an_error_and_a_pose_without_outputs_is_discarded() {
+    for (i, value, severity) in [
+        (index::BACKLASH, 1.0, Severity::Error),
+        (index::GEAR2_ANGLES_1, 1.0, Severity::Discard),
+        (index::GEAR2_POSITION_1, 0.0, Severity::Discard),
+    ] {
+        let mut instance = constant_stiffness(Interface::CoSimulation);
+        set(&mut instance, i, value);
+        let refused = instance.exit_initialization().unwrap_err();
+        assert_eq!(refused.severity, severity, "{refused}");
+    }
+}
+
+#[test]
 fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     let mut instance = constant_stiffness(Interface::CoSimulation);
     let absolute = [reference(index::PHASE_REFERENCE)];

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use approx::assert_relative_eq;
 use nalgebra::DMatrix;
 
-use super::{ContactSolver, PositionProblem};
+use super::{ContactSolver, PositionProblem, Resultant};
 use crate::compliance::{BeyondModel, ToothCompliance};
-use gearmesh::contact::{ContactSettings, Segment};
+use gearmesh::contact::{ContactSettings, Prescribed, Segment};
 use gearmesh::gear::Flank;
 
 const FZG: &str = include_str!("../../../resources/pairs/fzg-c.json");
@@ -51,6 +51,42 @@ fn a_segment_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
             let failure = "the contact solve stopped at a residual of NaN";
             assert!(error.to_string().contains(failure), "{error}");
         }
+    }
+}
+
+#[test]
+fn solves_that_end_with_a_step_along_tangents_are_within_1e_5_and_take_fewer_steps() {
+    for file in [FZG, PAPER] {
+        let pair = crate::pair::from_json(file).unwrap();
+        let alone: [Arc<dyn ToothCompliance>; 2] = [Arc::new(Alone), Arc::new(Alone)];
+        let solver = ContactSolver::new(&pair, alone, ContactSettings::default()).unwrap();
+        let [exact, mut quick] = [0, 1].map(|_| solver.position(Flank::Drive, 0.3, 0.0).unwrap());
+        quick.contact.last_step_from = 3e-3;
+        let half_face = 0.5 * pair.geometry.face_overlap().1;
+        let mut steps = [0, 0];
+        for misalignment in [0.0, 0.3e-3] {
+            let torque = Prescribed::Torque(pair.operating.maximum_torque);
+            let top = exact.resultant(torque, misalignment, [None; 2]).unwrap();
+            let low = exact.no_load_approach(misalignment);
+            let mut known: [Option<Resultant>; 2] = [Some(top.clone()), None];
+            for part in (1..14).rev().map(|k| (f64::from(k) / 14.0).powi(2)) {
+                let approach = Prescribed::Approach(low + part * (top.approach - low));
+                let nearest = known.each_ref().map(Option::as_ref);
+                let found = [&exact, &quick]
+                    .map(|problem| problem.resultant(approach, misalignment, nearest).unwrap());
+                let [force, moment] = [
+                    found[1].loa_force - found[0].loa_force,
+                    found[1].moment - found[0].moment,
+                ];
+                let bound = 1e-5 * top.loa_force;
+                assert!(force.abs() < bound, "{force} at {part}");
+                assert!(moment.abs() < bound * half_face, "{moment} at {part}");
+                steps = [0, 1].map(|i| steps[i] + found[i].iterations);
+                let [last, _] = found;
+                known = [Some(last), known[0].take()];
+            }
+        }
+        assert!(4 * steps[1] < 3 * steps[0], "{steps:?}");
     }
 }
 

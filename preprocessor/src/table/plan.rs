@@ -41,7 +41,8 @@ const REPORTED_POINTS: usize = 1000;
 
 /// A grid whose spline is within `error` (rms, of the nominal force) of the solver at random points, and within 7.5 times that at
 /// all of them; the moment within twice as much, of nominal force times half the face. Both flanks share its axes, which are
-/// chosen on the drive flank, those of the misalignment from nodes that lie half as far apart as the default ones `misalignments` (rad). The error returned is measured on points that had no part in the choice.
+/// chosen on the drive flank, those of the misalignment from nodes that lie half as far apart as the default ones `misalignments` (rad).
+/// The error returned is measured on points that had no part in the choice.
 ///
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
 ///

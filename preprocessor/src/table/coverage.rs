@@ -6,7 +6,9 @@ use crate::static_contact::ContactError;
 use gearmesh::contact::{ContactFile, Prescribed, Warm};
 use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
 use gearmesh::random::Random;
-use gearmesh::table::{Axes, FlankTable, Interpolation, InterpolationError, Query, TableError};
+use gearmesh::table::{
+    Axes, FlankGrid, FlankTable, Interpolation, InterpolationError, Query, TableError,
+};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -150,6 +152,15 @@ pub fn default_axes(coverage: &Coverage) -> Axes {
     }
 }
 
+/// The spline through `grid`; `None` where it is too coarse for one.
+pub(super) fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
+    match FlankTable::new(grid, Interpolation::Spline) {
+        Ok(table) => Ok(Some(table)),
+        Err(TableError::TooCoarse { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
 /// Misalignments for `coverage`, rad: those of [`default_axes`], or twice as many that are closer at parallel axes, where a table through
 /// these is off under a low load.
 ///
@@ -202,9 +213,8 @@ pub(super) fn low_load_error(
             ..default_axes(coverage)
         };
         let grid = sweep(source, flank, &axes, coverage.maximum_torque, &|_, _| ())?;
-        let table = match FlankTable::new(&grid, Interpolation::Spline) {
-            Err(TableError::TooCoarse { .. }) => return Ok(None),
-            table => table?,
+        let Some(table) = through(&grid)? else {
+            return Ok(None);
         };
         let mut position =
             (source.position(flank, p, 0.0)).map_err(failed(flank, [0.0, 0.0, p]))?;

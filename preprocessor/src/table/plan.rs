@@ -12,7 +12,7 @@
 
 use super::coverage::{
     Coverage, Nominal, SEED, TOGETHER, closest, displacement_nodes, graded, graded_to, measure_at,
-    mesh_positions, stratified,
+    mesh_positions, stratified, through,
 };
 use super::sweep::{Progress, StaticSource, sweep};
 use gearmesh::gear::{Flank, PairGeometry};
@@ -219,14 +219,6 @@ fn first_choice(axis: Axis, nodes: &[f64], inside: Range<usize>) -> (Vec<usize>,
     (first, most)
 }
 
-fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
-    match FlankTable::new(grid, Interpolation::Spline) {
-        Ok(table) => Ok(Some(table)),
-        Err(TableError::TooCoarse { .. }) => Ok(None),
-        Err(error) => Err(error),
-    }
-}
-
 /// Error of nodes through which no table can be put: larger than any other.
 const NO_TABLE: f64 = 1e3;
 
@@ -256,18 +248,17 @@ impl Lines {
             Axis::CenterDistance | Axis::MeshPosition => (16, 9 * nodes.len()),
         };
         // Where each node of a line is a position with an influence matrix of its own, lines share positions.
-        let (together, range) = match (axis, coverage.misalignment) {
-            (Axis::CenterDistance | Axis::MeshPosition, Some(range)) => (SHARING, range),
-            _ => (1, [0.0; 2]),
-        };
+        let of_positions = matches!(axis, Axis::CenterDistance | Axis::MeshPosition);
+        let sharing = coverage.misalignment.filter(|_| of_positions);
         let mut grids = Vec::with_capacity(count);
         while grids.len() < count {
             let [_, c, m, p] = coverage.draw_query(&mut random, 1.0).coordinates();
-            let mut all = [vec![c], vec![m], displacement_nodes(8, 1.3), vec![p]];
-            if together > 1 {
-                all[Axis::Misalignment as usize] = stratified(&mut random, together, range);
-                all[Axis::Misalignment as usize].sort_by(f64::total_cmp);
+            let mut misalignments = vec![m];
+            if let Some(range) = sharing {
+                misalignments = stratified(&mut random, SHARING, range);
+                misalignments.sort_by(f64::total_cmp);
             }
+            let mut all = [vec![c], misalignments, displacement_nodes(8, 1.3), vec![p]];
             all[axis as usize].clone_from(&nodes);
             let axes = Axes::from(all);
             let grid = sweep(
@@ -277,11 +268,13 @@ impl Lines {
                 coverage.maximum_torque,
                 &|_, _| (),
             )?;
-            for line in 0..together {
-                let line = match together {
-                    1 => grid.clone(),
-                    _ => grid.with_nodes(Axis::Misalignment, &[line]),
-                };
+            let lines = match sharing {
+                Some(_) => (0..SHARING)
+                    .map(|line| grid.with_nodes(Axis::Misalignment, &[line]))
+                    .collect(),
+                None => vec![grid],
+            };
+            for line in lines {
                 let table = through(&line)?;
                 grids.push((line, table));
             }

@@ -95,13 +95,7 @@ mod masters {
             let bar = if bodies.train { 5.0 } else { 1.0 };
             let case = Case::new(&p, bodies, 160.0).unwrap();
             for (master, told) in MASTERS {
-                let way = Way {
-                    told,
-                    master,
-                    theta: 0.5,
-                    steps: ALIKE,
-                    derivatives: false,
-                };
+                let way = Way::exact(told, master, ALIKE);
                 let name = format!("{}, {master:?}", case.bodies.name);
                 let found = case.errors(way).unwrap();
                 let found = found.unwrap_or_else(|| panic!("{name}: unstable"));
@@ -205,13 +199,7 @@ mod masters {
             };
             let case = Case::new(&p, bodies, 160.0).unwrap();
             for master in [Master::Sequential, Master::Parallel] {
-                let way = Way {
-                    told: Told::Automatic,
-                    master,
-                    theta: 0.5,
-                    steps: BY_TURNS,
-                    derivatives: false,
-                };
+                let way = Way::exact(Told::Automatic, master, BY_TURNS);
                 let found = case.errors(way).unwrap();
                 let found = found.unwrap_or_else(|| panic!("{}: unstable", case.bodies.name));
                 assert!(

@@ -35,6 +35,19 @@ pub struct Way {
     pub derivatives: bool,
 }
 
+impl Way {
+    /// Loads act over the whole step, and the master gives no derivatives.
+    pub fn exact(told: Told, master: Master, steps: [usize; 2]) -> Way {
+        Way {
+            told,
+            master,
+            theta: 0.5,
+            steps,
+            derivatives: false,
+        }
+    }
+}
+
 /// Rising time of the load, and time after which what it sets swinging has mostly settled, s.
 const RISE: f64 = 2e-3;
 const TAKE_UP: f64 = 8e-3;
@@ -191,13 +204,7 @@ impl<'a> Case<'a> {
     fn lasting(packed: &'a Packed, bodies: Bodies, steps: f64, duration: f64) -> Result<Self> {
         let tick = packed.step / TICKS as f64;
         let cycles = 1.0 / (steps * packed.step);
-        let way = Way {
-            told: Told::Sequential,
-            master: Master::Sequential,
-            theta: 0.5,
-            steps: [1, 1],
-            derivatives: false,
-        };
+        let way = Way::exact(Told::Sequential, Master::Sequential, [1, 1]);
         let exact = run(packed, &bodies, way, tick, cycles, duration)?;
         let exact = exact.ok_or_else(|| format!("{}: no exact course", bodies.name))?;
         Ok(Self {
@@ -256,13 +263,7 @@ pub fn swing_kept(p: &Packed, bodies: &Bodies, way: Way, steps: usize) -> Result
 fn swings(p: &Packed, bodies: &Bodies) -> Result<String> {
     const LENGTH: usize = 10_000;
     let kept = |told: Told, master: Master, steps: [usize; 2]| -> Result<String> {
-        let way = Way {
-            told,
-            master,
-            theta: 0.5,
-            steps,
-            derivatives: false,
-        };
+        let way = Way::exact(told, master, steps);
         let kept = swing_kept(p, bodies, way, LENGTH)?;
         Ok(kept.map_or("unstable".into(), |kept| format!("{:.3}", 100.0 * kept)))
     };
@@ -290,13 +291,7 @@ pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
     let mut found = vec![];
     for (master, known) in MASTERS {
         for told in [known, Told::Automatic] {
-            let way = Way {
-                told,
-                master,
-                theta: 0.5,
-                steps: ALIKE,
-                derivatives: false,
-            };
+            let way = Way::exact(told, master, ALIKE);
             let course = case.run(way)?;
             let errors = course.map(|course| {
                 SETTLING.map(|part| {

@@ -156,8 +156,8 @@ fn level_error(
     tables: Option<&TableFile>,
     contact: Option<&InterpolationError>,
 ) -> String {
-    let item = |i: usize| start_in_words(VARIABLES[i].name, unit.start(&VARIABLES[i]));
-    let level = item(index::STIFFNESS_MODEL);
+    let [level, interpolation] = [index::STIFFNESS_MODEL, index::INTERPOLATION]
+        .map(|i| start_in_words(VARIABLES[i].name, unit.start(&VARIABLES[i])));
     let error = match (&*level, tables) {
         ("contact", _) => run_time_error(contact),
         ("teeth", Some(TableFile { teeth: Some(t), .. })) => {
@@ -177,7 +177,7 @@ fn level_error(
                     less.push(format!("{} = false", VARIABLES[i].name));
                 }
             }
-            if item(index::INTERPOLATION) != "spline" {
+            if interpolation != "spline" {
                 less.push("another interpolation".into());
             }
             match less.join(", ").as_str() {

@@ -106,8 +106,6 @@ fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
         Some(_) => "",
         None => ", which is for x_1 >= x_2 and x_1 + x_2 from -0.5 to 2",
     };
-    let stiffness =
-        move |of: fn(&NominalStiffness) -> f64| stiffness.as_ref().map(|s| 1e-9 * of(s));
     columns! { |_: &()|
         "name" => pair.name.clone();
         "", ["meshing", "", None] => g.ring().map_or("external", |_| "internal");
@@ -125,9 +123,9 @@ fn in_mesh(pair: &Pair) -> Vec<Column<'_, ()>> {
         "backlash_um", ["backlash at the operating pitch circle", "um", 1] => backlash / phi.cos();
         "normal_backlash_um", ["backlash normal to the flanks j_bn", "um", 1] => backlash * cos_beta_b;
         "", ["teeth", "", None] => thinning(pair);
-        "single_stiffness_iso_6336_n_per_mm_um", [format!("single stiffness c' of ISO 6336-1{beyond}"), "N/(mm um)", 3] => stiffness(|s| s.single);
-        "mesh_stiffness_iso_6336_n_per_mm_um", [format!("mesh stiffness c_gamma_alpha of ISO 6336-1{beyond}"), "N/(mm um)", 3] => stiffness(|s| s.mesh);
-        "face_mesh_stiffness_iso_6336_n_per_mm_um" => stiffness(|s| s.along_face);
+        "single_stiffness_iso_6336_n_per_mm_um", [format!("single stiffness c' of ISO 6336-1{beyond}"), "N/(mm um)", 3] => stiffness.map(|s| 1e-9 * s.single);
+        "mesh_stiffness_iso_6336_n_per_mm_um", [format!("mesh stiffness c_gamma_alpha of ISO 6336-1{beyond}"), "N/(mm um)", 3] => stiffness.map(|s| 1e-9 * s.mesh);
+        "face_mesh_stiffness_iso_6336_n_per_mm_um" => stiffness.map(|s| 1e-9 * s.along_face);
         "sigma_h0_mpa", ["nominal contact stress sigma_H0 of ISO 6336-2", "MPa", 1] => 1e-6 * NominalContactStress::new(&pair.geometry, nominal).stress;
         "", ["normal force at nominal torque", "N", 1] => pair.operating.nominal_torque / first.base_radius() / cos_beta_b;
     }

@@ -65,9 +65,9 @@ pub fn section(
 
 fn drawn(turn: &Revolution) -> Vec<Figure> {
     let gear = turn.gear + 1;
-    let cycles = |i: usize| i as f64 / turn.positions as f64;
     let ste = turn.ste.iter().enumerate();
-    let ste = Curve::new("STE", ste.map(|(i, ste)| (cycles(i), 1e6 * ste)));
+    let ste = ste.map(|(i, ste)| (i as f64 / turn.positions as f64, 1e6 * ste));
+    let ste = Curve::new("STE", ste);
     let means = turn.ste.chunks(turn.positions).enumerate();
     let means = Curve::new(
         "mean of each mesh cycle",

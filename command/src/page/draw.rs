@@ -111,7 +111,7 @@ fn to_scale(axes: [Range<f64>; 2], pixels: [f64; 2]) -> [Range<f64>; 2] {
 }
 
 fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> {
-    let points = || curves.iter().flat_map(|c| &c.points);
+    let points = curves.iter().flat_map(|c| &c.points);
     let lower = curves.iter().filter_map(|curve| match &curve.style {
         Style::Band(low) => Some(low),
         _ => None,
@@ -120,8 +120,8 @@ fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String> 
         Height::Curves(least) | Height::FromZero(least) => least,
         Height::ToScale => 0.0,
     };
-    let mut x = ends(points().map(|p| p.0));
-    let mut y = range(points().map(|p| p.1).chain(lower.flatten().copied()), least);
+    let mut x = ends(points.clone().map(|p| p.0));
+    let mut y = range(points.map(|p| p.1).chain(lower.flatten().copied()), least);
     if let Height::FromZero(_) = height {
         y.start = 0.0;
     }

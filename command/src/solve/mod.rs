@@ -143,10 +143,12 @@ impl Solve {
             results::write(folder, solver, &solved.pair, &solved.cases)?;
         }
         let mut text = if self.json {
-            let json = |case| results::json(solver, &solved.pair, case, &self.speed_rpm);
-            let json = match &solved.cases[..] {
-                [case] => json(case).into(),
-                cases => json!({ "cases": cases.iter().map(json).collect::<Vec<_>>() }),
+            let cases: Vec<_> = (solved.cases.iter())
+                .map(|case| results::json(solver, &solved.pair, case, &self.speed_rpm))
+                .collect();
+            let json = match &cases[..] {
+                [case] => json!(case),
+                cases => json!({ "cases": cases }),
             };
             format!("{json:#}\n")
         } else {

@@ -134,11 +134,12 @@ impl Variation {
 
     /// The field in a listing: what both gears share stands once.
     pub fn label(&self) -> String {
-        let parts = || self.fields().map(|field| field.split_once('.'));
-        let tails: HashSet<_> = parts().map(|part| part.map(|(_, tail)| tail)).collect();
-        match parts().next() {
-            Some(Some((_, tail))) if tails.len() == 1 && self.field.contains(',') => {
-                let gears: Vec<&str> = parts().flatten().map(|(gear, _)| gear).collect();
+        let parts: Vec<_> = self.fields().map(|field| field.split_once('.')).collect();
+        let tails = parts.iter().map(|part| part.map(|(_, tail)| tail));
+        let tails: HashSet<_> = tails.collect();
+        match parts[..] {
+            [Some((_, tail)), ..] if tails.len() == 1 && self.field.contains(',') => {
+                let gears: Vec<&str> = parts.iter().flatten().map(|(gear, _)| *gear).collect();
                 format!("{tail} of {}", gears.join(", "))
             }
             _ => self.field.replace(',', ", "),

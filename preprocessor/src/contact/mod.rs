@@ -77,16 +77,15 @@ pub fn contact_file(pair: &Pair, solver: &ContactSolver) -> Result<ContactFile, 
     } else {
         vec![0.0]
     };
-    let flank = |flank| condensed_flank(solver, flank, &offsets).map(Arc::new);
     Ok(ContactFile {
         setup: Arc::new(ContactSetup {
             teeth: pair.teeth.clone(),
             ..solver.setup().clone()
         }),
-        drive: flank(Flank::Drive)?,
+        drive: Arc::new(condensed_flank(solver, Flank::Drive, &offsets)?),
         coast: match pair.coast_mirrors_drive() && pair.teeth.are_alike() {
             true => None,
-            false => Some(flank(Flank::Coast)?),
+            false => Some(Arc::new(condensed_flank(solver, Flank::Coast, &offsets)?)),
         },
         error: None,
     })

@@ -70,13 +70,12 @@ impl Library {
         let file = storage::open(path).map(|file| file.take(LONGEST_FILE));
         (file.and_then(|mut file| file.read_to_end(&mut bytes)))
             .map_err(|e| PackageError::unread(path, e))?;
-        let refused = |reason: &str| PackageError::contents(path, reason);
         let none =
             "no shared library for 64-bit Linux, Windows or macOS; give the one that cargo built";
-        let platform = platform(&bytes).ok_or_else(|| refused(none))?;
+        let platform = platform(&bytes).ok_or_else(|| PackageError::contents(path, none))?;
         if !bytes.windows(11).any(|w| w == b"fmi2DoStep\0") {
             let other = "a library without fmi2DoStep; give the library gearmesh, built as cdylib";
-            return Err(refused(other));
+            return Err(PackageError::contents(path, other));
         }
         Ok(Self {
             platform,

@@ -106,10 +106,10 @@ impl Description<'_> {
                 edits.push((typed, "start", text));
             }
         }
-        let range = |(node, attribute, text): (Node, &str, String)| {
+        let edits = edits.into_iter().filter_map(|(node, attribute, text)| {
             Some((node.attribute_node(attribute)?.range_value(), text))
-        };
-        let mut edits: Vec<_> = edits.into_iter().filter_map(range).collect();
+        });
+        let mut edits: Vec<_> = edits.collect();
         edits.sort_by_key(|(range, _)| range.start);
         let (mut out, mut done) = (String::new(), 0);
         for (range, text) in edits {

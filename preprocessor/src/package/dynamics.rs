@@ -286,14 +286,14 @@ pub fn theoretical_pair_stiffness(geometry: &PairGeometry) -> f64 {
     } else {
         (g1, g2)
     };
-    // z_n = z / (cos² beta_b cos beta).
-    let per_virtual_teeth =
-        |g: &Gear| g.base_helix_angle().cos().powi(2) * g.helix_angle.cos() / g.z();
-    let (n1, x1) = (per_virtual_teeth(pinion), pinion.profile_shift);
-    let (n2, x2) = match wheel.kind {
-        GearKind::External => (per_virtual_teeth(wheel), wheel.profile_shift),
+    // 1 / z_n and x of each; z_n = z / (cos² beta_b cos beta).
+    let [(n1, x1), (n2, x2)] = [pinion, wheel].map(|gear| match gear.kind {
+        GearKind::External => (
+            gear.base_helix_angle().cos().powi(2) * gear.helix_angle.cos() / gear.z(),
+            gear.profile_shift,
+        ),
         GearKind::Ring => (0.0, 0.0),
-    };
+    });
     // Least flexibility of a pair of teeth, mm um / N.
     let flexibility = 0.04723 + 0.15551 * n1 + 0.25791 * n2
         - 0.00635 * x1

@@ -135,20 +135,20 @@ fn guid(
     contact: Option<&[u8]>,
     libraries: &[Library],
 ) -> String {
+    let (unit, tables) = (unit_text(unit), tables.unwrap_or(""));
+    let mut contents = vec![
+        documentation::TEMPLATE.as_bytes(),
+        unit.as_bytes(),
+        tables.as_bytes(),
+    ];
+    contents.extend(contact);
+    for library in libraries {
+        contents.extend([library.platform.as_bytes(), &library.bytes]);
+    }
     let mut hash = Sha256::new();
-    let mut add = |bytes: &[u8]| {
+    for bytes in contents {
         hash.update((bytes.len() as u64).to_le_bytes());
         hash.update(bytes);
-    };
-    add(documentation::TEMPLATE.as_bytes());
-    add(unit_text(unit).as_bytes());
-    add(tables.unwrap_or("").as_bytes());
-    if let Some(contact) = contact {
-        add(contact);
-    }
-    for library in libraries {
-        add(library.platform.as_bytes());
-        add(&library.bytes);
     }
     let hex = gearmesh::words::hex(&hash.finalize()[..16]);
     let parts = [0..8, 8..12, 12..16, 16..20, 20..32].map(|part| &hex[part]);

@@ -199,19 +199,18 @@ fn of_matrix(
     i: usize,
     folder: &Path,
 ) -> Result<UnevenBody, Refusal> {
-    let path = |name: &str| in_gear(i, &format!("body_matrix.{name}"));
-    check(&path("angle_deg"), given.angle_deg, [-360.0, 360.0])?;
-    let field = path("nodes_file");
+    let field = in_gear(i, "body_matrix.angle_deg");
+    check(&field, given.angle_deg, [-360.0, 360.0])?;
+    let field = in_gear(i, "body_matrix.nodes_file");
     let file = &given.nodes_file;
-    let refused = |problem: String, remedy: &str| refusal!(&field => file; "{problem}"; "{remedy}");
     let text = text::read(&folder.join(file)).map_err(|error| {
-        refused(
-            format!("cannot be read: {error}"),
-            "give a file beside the pair file, and that you may read",
-        )
+        refusal!(&field => file;
+            "cannot be read: {error}"; "give a file beside the pair file, and that you may read")
     })?;
-    let mut points = nodes(&text)
-        .map_err(|problem| refused(problem, "give CSV with the columns x_mm, y_mm and z_mm, a row a node, in the order of the matrix"))?;
+    let mut points = nodes(&text).map_err(|problem| {
+        refusal!(&field => file;
+            "{problem}"; "give CSV with the columns x_mm, y_mm and z_mm, a row a node, in the order of the matrix")
+    })?;
     let count = points.len();
     ensure!((24..=MOST_NODES).contains(&count), &field => file;
         "has {count} nodes"; "give all nodes of the body on the cylinder, 24 to {MOST_NODES}");
@@ -256,13 +255,17 @@ fn of_matrix(
         ];
     }
 
-    let field = path("stiffness_n_per_mm_file");
+    let field = in_gear(i, "body_matrix.stiffness_n_per_mm_file");
     let file = &given.stiffness_n_per_mm_file;
-    let refused = |problem: String, remedy: &str| refusal!(&field => file; "{problem}"; "{remedy}");
-    let text = text::read_up_to(&folder.join(file), LONGEST_MATRIX, "that of 2000 nodes is as long")
-        .map_err(|error| refused(format!("cannot be read: {error}"), "give a file beside the pair file, and that you may read; condense to fewer nodes, and write `symmetric`"))?;
-    let stiffness = matrix_market(&text)
-        .map_err(|problem| refused(problem, "give a file of the Matrix Market, `coordinate` or `array`, `real`, `general` or `symmetric`"))?;
+    let usual = "that of 2000 nodes is as long";
+    let text = text::read_up_to(&folder.join(file), LONGEST_MATRIX, usual).map_err(|error| {
+        refusal!(&field => file; "cannot be read: {error}";
+            "give a file beside the pair file, and that you may read; condense to fewer nodes, and write `symmetric`")
+    })?;
+    let stiffness = matrix_market(&text).map_err(|problem| {
+        refusal!(&field => file; "{problem}";
+            "give a file of the Matrix Market, `coordinate` or `array`, `real`, `general` or `symmetric`")
+    })?;
     let size = 3 * count;
     ensure!(stiffness.shape() == (size, size), &field => file;
         "has {} rows and {} columns, and the {count} nodes have {size} displacements", stiffness.nrows(), stiffness.ncols();
@@ -289,7 +292,7 @@ fn of_matrix(
         })),
     };
     let own = body_stiffness(gear, &body, &body_basis(gear, &body))
-        .map_err(|error| refused(error.to_string(), "give another body"))?
+        .map_err(|error| refusal!(&field => file; "{error}"; "give another body"))?
         .symmetric_eigenvalues();
     let share = own.min() / own.amax();
     ensure!(share >= LEAST_STIFFNESS, &field => file;

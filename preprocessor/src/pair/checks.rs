@@ -38,9 +38,8 @@ impl Refusals {
     /// These and those of `more` that are new: of one field and value the first counts.
     pub(super) fn and(mut self, more: Refusals) -> Refusals {
         for refusal in more.0 {
-            let is_same =
-                |known: &Refusal| known.field == refusal.field && known.value == refusal.value;
-            if !self.0.iter().any(is_same) {
+            let mut all = self.0.iter();
+            if !all.any(|known| known.field == refusal.field && known.value == refusal.value) {
                 self.0.push(refusal);
             }
         }

@@ -95,7 +95,6 @@ impl Flanks<'_> {
                 own.or_else(|| Some((path(""), common.$field.as_ref()?)))
             }};
         }
-        let um = |given: Option<(String, &f64)>| given.map_or(0.0, |(_, um)| um * UM);
         // What the flank says of this end, else of both; else what the gear says.
         let ends: [fn(&FlankFile) -> &Option<EndReliefFile>; 2] =
             [|f| &f.lower_end_relief, |f| &f.upper_end_relief];
@@ -110,12 +109,12 @@ impl Flanks<'_> {
         });
         let rolls = self.active();
         let slope = ProfileSlope {
-            amount: um(given!(profile_slope_um)),
-            bias: um(given!(bias_um)),
+            amount: amount(given!(profile_slope_um)),
+            bias: amount(given!(bias_um)),
             rolls,
         };
         let crowning = ProfileCrowning {
-            amount: um(given!(profile_crowning_um)),
+            amount: amount(given!(profile_crowning_um)),
             rolls,
         };
         let topography = given!(topography_file);
@@ -131,8 +130,8 @@ impl Flanks<'_> {
             root_relief,
             profile_crowning: (crowning.amount != 0.0).then_some(crowning),
             profile_slope: (slope.amount != 0.0 || slope.bias != 0.0).then_some(slope),
-            lead_crowning: um(given!(lead_crowning_um)),
-            lead_slope: um(given!(lead_slope_um)),
+            lead_crowning: amount(given!(lead_crowning_um)),
+            lead_slope: amount(given!(lead_slope_um)),
             end_relief,
         })
     }
@@ -281,6 +280,11 @@ impl Flanks<'_> {
     }
 }
 
+/// The amount given in micrometres beside its path, m; none is 0.
+fn amount(given: Option<(String, &f64)>) -> f64 {
+    given.map_or(0.0, |(_, um)| um * UM)
+}
+
 /// Share of the active profile or of the face that may lie beyond the grid, where its tangents go on.
 const BEYOND: f64 = 0.25;
 
@@ -292,10 +296,9 @@ const GRID: &str = "give CSV with a header and commas between its columns, roll_
 fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
     let mut reader = csv_reader(text);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
-    let column = |name: &str| header.iter().position(|h| h == name);
-    let (roll, diameter) = (column("roll_mm"), column("diameter_mm"));
-    let columns = (roll.or(diameter), column("z_mm"), column("removal_um"));
-    let (Some(along), Some(z), Some(removal)) = columns else {
+    let [roll, diameter, z, removal] = ["roll_mm", "diameter_mm", "z_mm", "removal_um"]
+        .map(|name| header.iter().position(|h| h == name));
+    let (Some(along), Some(z), Some(removal)) = (roll.or(diameter), z, removal) else {
         let found = header.iter().collect::<Vec<_>>().join(",");
         return Err(match found.contains(';') {
             true => "has semicolons between its columns".into(),

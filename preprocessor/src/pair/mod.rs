@@ -283,6 +283,12 @@ pub fn note_on_teeth(teeth: &PairTeeth) -> Option<&'static str> {
 /// X_L of a mineral gear oil: see [`FrictionLaw::Schlenk`].
 const MINERAL_OIL: f64 = 0.846;
 
+/// Refusal of a law of friction that needs the field `name`, which is not there.
+fn missing(name: &str, remedy: &str) -> Refusal {
+    refusal!(format!("friction.{name}") => "none";
+        "this law asks for it"; "{remedy}, or leave `law` at `constant`")
+}
+
 /// The law of friction that `file` gives, or the default.
 fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusals> {
     let Some(file) = file else {
@@ -302,10 +308,6 @@ fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refusals> {
             .map(|coefficient| FrictionLaw::Constant { coefficient })
             .unwrap_or_default());
     }
-    let missing = |name: &str, remedy: &str| {
-        refusal!(format!("friction.{name}") => "none";
-            "this law asks for it"; "{remedy}, or leave `law` at `constant`")
-    };
     let viscosity = file.dynamic_viscosity_mpa_s.ok_or_else(|| {
         let remedy = "give the dynamic viscosity at the temperature of the oil";
         missing("dynamic_viscosity_mpa_s", remedy)

@@ -53,24 +53,25 @@ impl History {
     /// Amplitude, 0 to peak, of what repeats `order` times a turn of gear 1 in `signal`, in Hann windows of `turns` of gear 1
     /// that overlap by half. An order 2 / `turns` away from it does not enter.
     pub fn order(&self, signal: &[f64], order: f64, turns: f64) -> OverSpeed {
-        let angle = |i: usize| (self.angle[i] - self.angle[0]).abs();
-        let Some(last) = self.angle.len().checked_sub(1) else {
+        let angles = self.angle.iter().map(|a| (a - self.angle[0]).abs());
+        let angles: Vec<f64> = angles.collect();
+        let Some(last) = angles.last() else {
             return Vec::new();
         };
         let half = PI * turns;
-        let count = (angle(last) / half) as usize;
+        let count = (last / half) as usize;
         (1..count)
             .map(|k| {
                 // Angles rise, but for the swing of the teeth.
                 let [start, end] = [-1.0, 1.0]
                     .map(|side| (k as f64 + side) * half)
-                    .map(|edge| (self.angle).partition_point(|a| (a - self.angle[0]).abs() < edge));
+                    .map(|edge| angles.partition_point(|angle| *angle < edge));
                 start..end
             })
             .filter(|rows| rows.len() >= 16)
             .map(|rows| {
                 let (speed, rows) = self.window(rows);
-                (speed, amplitude(signal, &rows, |i| order * angle(i)))
+                (speed, amplitude(signal, &rows, |i| order * angles[i]))
             })
             .collect()
     }

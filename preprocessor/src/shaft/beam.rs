@@ -109,7 +109,6 @@ impl Beam {
         let ends = shoulders.iter().flat_map(|shoulder| shoulder.z);
         let z = nodes(shaft, ends.chain(places.iter().copied()));
         let count = z.len();
-        let node = |place: f64| nearest(&z, place);
         let (mut bending, mut tension) = (
             DMatrix::zeros(2 * count, 2 * count),
             DMatrix::zeros(count, count),
@@ -136,7 +135,7 @@ impl Beam {
             }
             torsion.push(section.torsion);
         }
-        let bearings = shaft.bearings.iter().map(|b| (node(b.z), *b));
+        let bearings = shaft.bearings.iter().map(|b| (nearest(&z, b.z), *b));
         let bearings: Vec<(usize, Bearing)> = bearings.collect();
         for (i, bearing) in &bearings {
             bending[(2 * i, 2 * i)] += bearing.radial_stiffness;

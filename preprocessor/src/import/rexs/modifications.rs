@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::account::Head;
 use super::draft::Draft;
 use super::given::{first, um};
-use super::model::{Attribute, Component, Result, RexsError};
+use super::model::{Attribute, Component, Result};
 use super::teeth::Fields;
 
 impl<'a> Draft<'a> {
@@ -74,7 +74,6 @@ impl<'a> Draft<'a> {
         c: &'a Component,
     ) -> Result<Option<(&'a str, Value)>> {
         let kind = &*c.kind;
-        let mm = |name: &str| Ok::<_, RexsError>(first(&[c], &[name])?.map(|given| given.value));
         let (field, depth, mut value, assumed) = match kind {
             "profile_crowning" | "helix_crowning" => {
                 let (field, ends) = match kind {
@@ -84,7 +83,7 @@ impl<'a> Draft<'a> {
                         ["amount_datum_face", "amount_non_datum_face"],
                     ),
                 };
-                let [a, b] = ends.map(|end| mm(&format!("{kind}_{end}")));
+                let [a, b] = ends.map(|end| mm(c, &format!("{kind}_{end}")));
                 let [a, b] = [a?, b?].map(|mm| um(mm.unwrap_or(0.0)));
                 if a != b {
                     self.account.add(
@@ -95,15 +94,16 @@ impl<'a> Draft<'a> {
                 return Ok(Some((field, json!(rounded(0.5 * (a + b))))));
             }
             "tip_relief" | "root_relief" => {
-                let diameter = mm(&format!("{kind}_datum_diameter"))?;
-                let length = mm(&format!("{kind}_datum_length"))?.filter(|_| kind == "tip_relief");
+                let diameter = mm(c, &format!("{kind}_datum_diameter"))?;
+                let length =
+                    mm(c, &format!("{kind}_datum_length"))?.filter(|_| kind == "tip_relief");
                 let start = match (diameter, length) {
                     (Some(d), _) => json!({ "diameter_mm": d.abs() }),
                     (None, Some(length)) => json!({ "from_tip_mm": length }),
                     (None, None) => json!("pitch_point"),
                 };
                 let assumed = start.is_string().then_some("starts at the pitch point");
-                let depth = mm(&format!("{kind}_depth"))?;
+                let depth = mm(c, &format!("{kind}_depth"))?;
                 (kind, depth, json!({ "start": start }), assumed)
             }
             "end_relief_datum_face" | "end_relief_non_datum_face" => {
@@ -112,8 +112,9 @@ impl<'a> Draft<'a> {
                     "datum_face" => "lower_end_relief",
                     _ => "upper_end_relief",
                 };
-                let length = mm(&format!("end_relief_length_{side}"))?;
-                let depth = mm(&format!("end_relief_depth_{side}"))?.filter(|_| length.is_some());
+                let length = mm(c, &format!("end_relief_length_{side}"))?;
+                let depth =
+                    mm(c, &format!("end_relief_depth_{side}"))?.filter(|_| length.is_some());
                 let assumed = Some("the datum face is that at z = 0");
                 (field, depth, json!({ "length_mm": length }), assumed)
             }
@@ -140,6 +141,11 @@ impl<'a> Draft<'a> {
         .into();
         Ok(Some((field, value)))
     }
+}
+
+/// The attribute `name` of `component`, mm.
+fn mm(component: &Component, name: &str) -> Result<Option<f64>> {
+    Ok(first(&[component], &[name])?.map(|given| given.value))
 }
 
 /// Attributes of `component` with their values.

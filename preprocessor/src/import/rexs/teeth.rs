@@ -180,8 +180,9 @@ impl Draft<'_> {
         let Some(x) = first(&settings, &[GENERATED_SHIFT])? else {
             return Ok(None);
         };
-        let limit = |end: &str| first(&settings, &[&format!("{GENERATED_SHIFT}_{end}_deviation")]);
-        let limits = match (limit("lower")?, limit("upper")?) {
+        let [low, high] = ["lower", "upper"]
+            .map(|end| first(&settings, &[&format!("{GENERATED_SHIFT}_{end}_deviation")]));
+        let limits = match (low?, high?) {
             (Some(low), Some(high)) => {
                 let slack = 1e-9;
                 let is_absolute = low.value - slack <= x.value && x.value <= high.value + slack;
@@ -285,13 +286,12 @@ impl Draft<'_> {
         if self.is_ring(i) {
             return None;
         }
-        let field = |name: &str| fields.get(name).cloned().unwrap_or(Value::Null);
-        let alike = json!({
-            "teeth": field("teeth"), "face_width_mm": 10.0 * basic.module, "profile_shift": field("profile_shift_iso_21771"),
-            "root_diameter_mm": field("root_diameter_mm"), "dedendum_coefficient": field("dedendum_coefficient"),
-            "tool_tip_radius_coefficient": field("tool_tip_radius_coefficient"), "addendum_coefficient": 0.9
+        let mut alike = json!({
+            "teeth": fields.get("teeth"), "face_width_mm": 10.0 * basic.module,
+            "profile_shift": fields.get("profile_shift_iso_21771"), "root_diameter_mm": fields.get("root_diameter_mm"),
+            "dedendum_coefficient": fields.get("dedendum_coefficient"), "addendum_coefficient": 0.9,
+            "tool_tip_radius_coefficient": fields.get("tool_tip_radius_coefficient")
         });
-        let mut alike = alike;
         alike.as_object_mut()?.retain(|_, value| !value.is_null());
         let file = json!({
             "name": "alone", "meshing": "external", "normal_module_mm": basic.module,

@@ -88,6 +88,16 @@ def validation() -> None:
     save(figure, "validation")
 
 
+def mesh() -> None:
+    """Transverse section of the finite elements of one sector."""
+    figure, axis = plt.subplots(figsize=(6, 6))
+    for row in rows("finite-elements/mesh.csv"):
+        values = [float(value) for value in row.values()]
+        axis.plot([*values[::2], values[0]], [*values[1::2], values[1]], color="black", lw=0.7)
+    axis.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
+    save(figure, "mesh")
+
+
 def builds() -> None:
     """Error of tables over the processor time of their build, by method."""
     figure, axis = plt.subplots(figsize=(8, 4.2))
@@ -108,4 +118,5 @@ def builds() -> None:
 if __name__ == "__main__":
     levels()
     builds()
+    mesh()
     validation()

@@ -36,6 +36,7 @@ const FOLDERS: [(&str, &[(&str, Chapter)]); 5] = [
             ("held", finite_elements::held::report),
             ("levels", finite_elements::levels),
             ("cost", finite_elements::cost::report),
+            ("mesh", finite_elements::mesh::report),
         ],
     ),
     (

@@ -281,7 +281,8 @@ fn segments_seen_from_the_other_end_meet_the_body_turned_round() {
     };
     let here = own.bulk(&segments(false)).unwrap();
     let turned = own.turned().unwrap().bulk(&segments(true)).unwrap();
-    assert!((&here - turned).amax() < 1e-9 * here.amax());
+    // The two models leave out other parts of their side loads.
+    assert!((&here - turned).amax() < 1e-8 * here.amax());
     assert!((&here - own.bulk(&segments(true)).unwrap()).amax() > 1e-2 * here.amax());
     // A full disc is itself turned round.
     let disc = coarse(&disc(&gear));

@@ -1,7 +1,8 @@
 //! The grid of nodes on the loaded flank, and segments as weights on it: line loads spread by a kernel.
 
 use super::element::{GAUSS3, QUAD8};
-use super::section::{Outline, Section};
+use super::outline::Outline;
+use super::section::Section;
 use gearmesh::contact::Segment;
 use gearmesh::root::bisection;
 

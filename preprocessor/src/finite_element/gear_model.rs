@@ -8,10 +8,12 @@ use gearmesh::gear::Gear;
 use nalgebra::DMatrix;
 
 use super::cache::{self, ModelCache, Origin};
+use super::condensation::CondensedSector;
 use super::cylinder::{self, Cut};
 use super::error::FiniteElementError;
 use super::flank::{FlankGrid, Weights};
 use super::influence::Influence;
+use super::mesh::Mesh;
 use super::model::{Model, Progress, Stage};
 use super::settings::Settings;
 use super::uneven::{self, BodyChange};
@@ -45,9 +47,12 @@ impl FiniteElementCompliance {
         cache: Option<&ModelCache>,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
-        let (mut model, mut origin) = Self::one_way_round(gear, settings, cache, progress)?;
+        let mut condensed = None;
+        let mut one_way_round =
+            |gear: &Gear| Self::one_way_round(gear, settings, cache, &mut condensed, progress);
+        let (mut model, mut origin) = one_way_round(gear)?;
         if let Some(gear) = body::turned(gear) {
-            let (turned, of_turned) = Self::one_way_round(&gear, settings, cache, progress)?;
+            let (turned, of_turned) = one_way_round(&gear)?;
             // Of a gear with two models the one that was not simply read.
             if of_turned != Origin::Loaded {
                 origin = of_turned;
@@ -57,16 +62,17 @@ impl FiniteElementCompliance {
         Ok((model, origin))
     }
 
-    /// The model without that of the gear turned end for end.
+    /// The model without that of the gear turned end for end; `condensed` as in [`Model::influence`].
     fn one_way_round(
         gear: &Gear,
         settings: &Settings,
         cache: Option<&ModelCache>,
+        condensed: &mut Option<(Mesh, CondensedSector)>,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
         let (influence, origin) = cache::get(cache, &model, "", || {
-            Ok(Influence::new(&model.influence(progress)?))
+            Ok(Influence::new(&model.influence(condensed, progress)?))
         })?;
         let found = FiniteElementCompliance {
             grid: model.grid,
@@ -90,8 +96,11 @@ impl FiniteElementCompliance {
     ) -> Result<Self, FiniteElementError> {
         let basis = uneven::basis(gear, uneven_body);
         let cut = uneven::cut_from(gear, uneven_body);
+        // The loads of the basis act below the teeth.
+        let mut settings = *settings;
+        settings.discretization.fine_depth = f64::INFINITY;
         let of_teeth = |gear: &Gear| {
-            let model = Model::new(gear, settings)?;
+            let model = Model::new(gear, &settings)?;
             let basis = cylinder::Basis {
                 z: gear.body.map_or(basis.z, |body| body.web),
                 ..basis
@@ -114,7 +123,7 @@ impl FiniteElementCompliance {
             _ => {
                 let held = (gear.held_radius, gear.body);
                 let what = format!("{basis:?} on {uneven_body:?} {held:?} ");
-                let found = cache::get(cache, &Model::new(&cut, settings)?, &what, || {
+                let found = cache::get(cache, &Model::new(&cut, &settings)?, &what, || {
                     uneven::stiffness(gear, uneven_body, &basis)
                 });
                 found?.0

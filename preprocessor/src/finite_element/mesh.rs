@@ -1,7 +1,8 @@
 //! The mesh of one sector: the section swept along the helix through layers, and the stiffness of its elements.
 
 use super::element;
-use super::section::{Outline, Section};
+use super::outline::Outline;
+use super::section::{Hanging, Section};
 use super::settings::{Discretization, graded_from_both};
 use gearmesh::gear::{Body, Gear};
 use nalgebra::DMatrix;
@@ -117,6 +118,10 @@ pub(super) struct Mesh {
     pub loads: Vec<LoadColumn>,
     /// Nodes of root circle and fillet next to the loaded flank, in the same order.
     pub fillet: Vec<usize>,
+    /// The first of the elements of the body, see [`Section::body`].
+    pub body: usize,
+    /// Nodes that lie on faces of those, with the nodes of the face that move them and their shares.
+    pub hanging: HashMap<usize, Vec<(usize, f64)>>,
 }
 
 /// A round hole along the axis through elements that know nothing of it: where they are cut, the integration has many points (finite cell
@@ -173,6 +178,33 @@ pub(super) fn twist(gear: &Gear) -> f64 {
     gear.base_helix_angle().tan() / gear.base_radius()
 }
 
+impl Hanging {
+    /// The nodes of the face on which this node hangs `half` half layers from the first station, each a node of the section and a number of
+    /// half layers, and the values of their shape functions there.
+    fn by_face(&self, half: usize) -> Vec<((usize, usize), f64)> {
+        let [first, middle, last] = self.edge;
+        let xi = self.xi;
+        let between = 1.0 - xi * xi;
+        let ends = [(first, 0.5 * (1.0 - xi)), (last, 0.5 * (1.0 + xi))];
+        if half.is_multiple_of(2) {
+            let [(first, low), (last, high)] = ends;
+            return vec![
+                ((first, half), low - 0.5 * between),
+                ((middle, half), between),
+                ((last, half), high - 0.5 * between),
+            ];
+        }
+        // Halfway between two stations.
+        let mut shares: Vec<_> = ends.map(|(node, share)| ((node, half), share)).into();
+        for half in [half - 1, half + 1] {
+            let corners = ends.map(|(node, _)| ((node, half), -0.25 * between));
+            shares.extend(corners);
+            shares.push(((middle, half), 0.5 * between));
+        }
+        shares
+    }
+}
+
 impl Mesh {
     /// The `section` of `gear` itself for plane strain, or swept through `layers` along the helix without what lies outside of
     /// rim, web and hub.
@@ -186,8 +218,11 @@ impl Mesh {
             ..Mesh::default()
         };
         // Nodes of each element: node of the section and number of half layers below.
-        let mut elements = Vec::new();
-        for (quad, [column, row]) in section.quads.iter().zip(&section.cells) {
+        let (mut elements, mut body) = (Vec::new(), None);
+        for (at, (quad, [column, row])) in section.quads.iter().zip(&section.cells).enumerate() {
+            if at == section.body {
+                body = Some(elements.len());
+            }
             let Some(layers) = layers else {
                 elements.push(quad.map(|node| (node, 0)).to_vec());
                 mesh.cells.push([*column, *row, 0]);
@@ -237,6 +272,22 @@ impl Mesh {
                 mesh.sides[1].push(numbers[&(**twin, *half)]);
             }
         }
+        mesh.body = body.unwrap_or(mesh.elements.len());
+        for hanging in &section.hanging {
+            for half in 0..2 * stations.len() - 1 {
+                let Some(node) = numbers.get(&(hanging.node, half)) else {
+                    continue;
+                };
+                let moved_by = hanging.by_face(half);
+                let moved_by: Option<Vec<_>> = (moved_by.into_iter())
+                    .map(|(place, share)| Some((*numbers.get(&place)?, share)))
+                    .collect();
+                // Beside a narrower body it is free.
+                if let Some(moved_by) = moved_by.filter(|_| !mesh.held[*node]) {
+                    mesh.hanging.insert(*node, moved_by);
+                }
+            }
+        }
         let face = layers.map_or(0..0, |layers| layers.face.clone());
         for half in 2 * face.start..=2 * face.end {
             let fillet = section.fillet.iter();
@@ -256,14 +307,44 @@ impl Mesh {
         mesh
     }
 
-    /// Of a node, m.
-    pub fn radius_and_z(&self, node: usize) -> [f64; 2] {
-        let [x, y, z] = self.points[node];
-        [x.hypot(y), z]
-    }
-
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
         element.iter().map(|node| self.points[*node]).collect()
+    }
+
+    /// The nodes that move the `element`: its own, in place of those that hang on faces the nodes of these.
+    pub fn moving(&self, element: usize) -> Vec<usize> {
+        let mut moving: Vec<usize> = Vec::new();
+        for node in &self.elements[element] {
+            match self.hanging.get(node) {
+                Some(face) => moving.extend(face.iter().map(|(node, _)| *node)),
+                None => moving.push(*node),
+            }
+        }
+        moving.sort_unstable();
+        moving.dedup();
+        moving
+    }
+
+    /// Stiffness of the `element`, N/m, by the displacements of the nodes that move it.
+    pub fn moved_stiffness(&self, element: usize) -> DMatrix<f64> {
+        let (nodes, moving) = (&self.elements[element], self.moving(element));
+        let d = self.dimension;
+        let mut follow = DMatrix::zeros(d * nodes.len(), d * moving.len());
+        for (i, node) in nodes.iter().enumerate() {
+            let itself = [(*node, 1.0)];
+            for (by, share) in self.hanging.get(node).map_or(&itself[..], |face| face) {
+                let j = moving.partition_point(|other| other < by);
+                // Cartesian displacements of a face are interpolated: a rigid body's stay those of one.
+                let (sin, cos) = (self.angles[*by] - self.angles[*node]).sin_cos();
+                let turn = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+                for (row, turn) in turn.iter().take(d).enumerate() {
+                    for (column, value) in turn.iter().take(d).enumerate() {
+                        follow[(d * i + row, d * j + column)] = share * value;
+                    }
+                }
+            }
+        }
+        follow.transpose() * (self.stiffness(nodes) * &follow)
     }
 
     /// Stiffness of the element with `nodes`, N/m, the displacements of each in its own cylindrical axes.
@@ -306,5 +387,45 @@ impl Mesh {
             quality = quality.min(smallest / largest.abs());
         }
         (volume, quality)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::finite_element::Settings;
+    use crate::finite_element::model::Model;
+    use crate::gear::Refinement;
+    use crate::samples;
+    use gearmesh::gear::GearKind;
+    use nalgebra::{DVector, Vector3};
+
+    #[test]
+    fn a_rigid_body_moves_elements_with_hanging_nodes_without_a_force() {
+        let gear = samples::gear(GearKind::External, 37, 1.0, 20.0, 0.0);
+        let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 1)).unwrap();
+        let mesh = model.mesh();
+        let hang = |nodes: &&Vec<usize>| nodes.iter().any(|n| mesh.hanging.contains_key(n));
+        assert!(mesh.elements.iter().filter(hang).count() > 20);
+        for element in (0..mesh.elements.len()).filter(|e| hang(&&mesh.elements[*e])) {
+            let (moving, stiffness) = (mesh.moving(element), mesh.moved_stiffness(element));
+            for axis in 0..6 {
+                let mut displacement = DVector::zeros(3 * moving.len());
+                for (at, node) in moving.iter().enumerate() {
+                    let place = Vector3::from(mesh.points[*node]);
+                    let along = Vector3::ith(axis % 3, gear.reference_radius());
+                    let cartesian = match axis {
+                        0..3 => along,
+                        _ => along.normalize().cross(&place),
+                    };
+                    let (sin, cos) = mesh.angles[*node].sin_cos();
+                    displacement[3 * at] = cos * cartesian.x + sin * cartesian.y;
+                    displacement[3 * at + 1] = cos * cartesian.y - sin * cartesian.x;
+                    displacement[3 * at + 2] = cartesian.z;
+                }
+                let force = (&stiffness * &displacement).amax();
+                let bound = 1e-5 * stiffness.amax() * displacement.amax();
+                assert!(force < bound, "{force:e} of {bound:e}, axis {axis}");
+            }
+        }
     }
 }

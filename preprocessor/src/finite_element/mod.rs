@@ -2,8 +2,10 @@
 //!
 //! ```text
 //!  gear::ToothProfile ─> outline ─> section ─> mesh ─> condensation ─> ring ─> influence
-//!                        by arc     one tooth   along   Cholesky,       whole   of flank
-//!                        length     sector      helix   sides left      gear    nodes
+//!                        by arc     one tooth   along   fronts,         whole   of flank
+//!                        length     sector      helix   sides left      gear,   nodes
+//!                                                                       periodic
+//!                                                                       body
 //! ```
 //!
 //! The result are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on the flank
@@ -19,14 +21,19 @@ mod dense;
 mod element;
 mod error;
 mod flank;
+mod fronts;
 mod gear_model;
+mod harmonics;
 mod influence;
 mod mesh;
 mod model;
+mod outline;
 mod pair_models;
+mod periodic_body;
 mod ring;
 mod root_stress;
 mod section;
+mod sector_nodes;
 mod settings;
 mod uneven;
 mod work;
@@ -34,7 +41,7 @@ mod work;
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
 pub use gear_model::FiniteElementCompliance;
-pub use model::{Progress, Stage, centre_line_compliance, sector_unknowns};
+pub use model::{Progress, Stage, centre_line_compliance, sector_section, sector_unknowns};
 pub(crate) use pair_models::cut_pair;
 pub use pair_models::{PairCompliance, PairModels, pair_root_stress};
 pub use root_stress::{RootStress, SpreadSegments};

@@ -1,12 +1,13 @@
 //! From a gear to the influence matrices of its flank nodes.
 
-use super::condensation::condense;
+use super::condensation::{CondensedSector, condense};
 use super::element::{QUAD8, place_and_tangents, shape};
 use super::error::FiniteElementError;
 use super::flank::FlankGrid;
 use super::mesh::{Layers, LoadColumn, Mesh, twist};
-use super::section::{Outline, Section};
-use super::{Settings, ring};
+use super::outline::Outline;
+use super::section::Section;
+use super::{Settings, harmonics, ring};
 use crate::gear::ToothProfile;
 use gearmesh::contact::Segment;
 use gearmesh::gear::Gear;
@@ -58,7 +59,10 @@ impl Model {
         if settings.plane_strain && gear.body.is_some() {
             return Err(FiniteElementError::PlaneBody);
         }
-        let sizes = settings.discretization;
+        let mut sizes = settings.discretization;
+        if settings.plane_strain {
+            sizes.fine_depth = f64::INFINITY;
+        }
         let section = Section::new(gear, &outline, &sizes);
         let layers = (!settings.plane_strain).then(|| Layers::new(gear, &sizes));
         let stations = layers.as_ref().map_or(&[0.0][..], Layers::of_face);
@@ -97,14 +101,23 @@ impl Model {
         )
     }
 
-    /// Influence of the flank nodes, see [`super::FiniteElementCompliance`].
+    /// Influence of the flank nodes, see [`super::FiniteElementCompliance`]. `condensed` is the sector of a gear with the same teeth, if one
+    /// is at hand, and becomes that of this one.
     pub fn influence(
         &self,
+        condensed: &mut Option<(Mesh, CondensedSector)>,
         progress: &Progress<'_>,
     ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
         let mesh = self.mesh();
-        let sectors = 0..=self.reach as i32;
-        self.response(&mesh, &mesh.loads, mesh.loads.len(), sectors, progress)
+        let known = condensed.take();
+        let known = known.and_then(|(of, sector)| sector.on_body_of(&of, &mesh));
+        let sector = match known {
+            Some(sector) => sector,
+            None => self.condensed(&mesh, &mesh.loads, mesh.loads.len(), progress)?,
+        };
+        let influence = self.closed(&sector, 0..=self.reach as i32, progress);
+        *condensed = Some((mesh, sector));
+        influence
     }
 
     /// Displacements of the `mesh` of this model along the functionals, which are `columns` behind the first `loads` (all where there are no
@@ -117,6 +130,17 @@ impl Model {
         sectors: RangeInclusive<i32>,
         progress: &Progress<'_>,
     ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
+        let sector = self.condensed(mesh, columns, loads, progress)?;
+        self.closed(&sector, sectors, progress)
+    }
+
+    fn condensed(
+        &self,
+        mesh: &Mesh,
+        columns: &[LoadColumn],
+        loads: usize,
+        progress: &Progress<'_>,
+    ) -> Result<CondensedSector, FiniteElementError> {
         let (_, quality) = mesh.volume_and_quality();
         if quality.is_nan() || quality <= 0.0 {
             return Err(FiniteElementError::FoldedElement(quality));
@@ -124,12 +148,20 @@ impl Model {
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
         }
-        let sector = condense(mesh, columns, loads, &|share| {
+        condense(mesh, columns, loads, &|share| {
             progress(Stage::Condensation, share)
-        })?;
+        })
+    }
+
+    fn closed(
+        &self,
+        sector: &CondensedSector,
+        sectors: RangeInclusive<i32>,
+        progress: &Progress<'_>,
+    ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
         let teeth = self.gear.teeth;
-        let solved = ring::solved(teeth as usize, *sectors.end() as usize);
-        ring::response(&sector, teeth, sectors, &solved, &|share| {
+        let solved = harmonics::solved(teeth as usize, *sectors.end() as usize);
+        ring::response(sector, teeth, sectors, &solved, &|share| {
             progress(Stage::Ring, share)
         })
     }
@@ -142,7 +174,26 @@ impl Model {
 pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
     let mesh = Model::new(gear, settings)?.mesh();
     let free = mesh.held.iter().filter(|held| !**held).count();
-    Ok(mesh.dimension * free)
+    Ok(mesh.dimension * (free - mesh.hanging.len()))
+}
+
+/// The transverse section of a sector of `gear`: of each quadrilateral corners and middles of its sides in their order around it, x and y in m
+/// from the axis, the centre line of the tooth along y.
+///
+/// # Errors
+/// As [`super::FiniteElementCompliance::new`]: no usable tooth.
+pub fn sector_section(
+    gear: &Gear,
+    settings: &Settings,
+) -> Result<Vec<[[f64; 2]; 8]>, FiniteElementError> {
+    let section = Model::new(gear, settings)?.section;
+    let around = |quad: &[usize; 8]| {
+        [0, 4, 1, 5, 2, 6, 3, 7].map(|at| {
+            let [radius, angle] = section.nodes[quad[at]];
+            [radius * angle.sin(), radius * angle.cos()]
+        })
+    };
+    Ok(section.quads.iter().map(around).collect())
 }
 
 /// Compliance of a tooth in plane strain, m²/N: displacement along the load line where it crosses the tooth's

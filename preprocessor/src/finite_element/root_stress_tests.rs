@@ -67,7 +67,7 @@ fn functionals_that_are_loads_answer_with_the_influence() {
     let mesh = model.mesh();
     let mut columns = mesh.loads.clone();
     let loads = columns.len();
-    let influence = model.influence(&|_, _| true).unwrap();
+    let influence = model.influence(&mut None, &|_, _| true).unwrap();
     columns.extend_from_within(..);
     let response = model
         .response(&mesh, &columns, loads, -2..=2, &|_, _| true)

@@ -1,4 +1,4 @@
-//! One tooth in the transverse section: its outline by arc length, and the structured mesh of its sector of 8-node
+//! One tooth in the transverse section: the structured mesh of its sector of 8-node
 //! quadrilaterals.
 //!
 //! ```text
@@ -16,154 +16,13 @@
 //! end at the inside of the rim and at the hub.
 
 use super::element::QUAD8;
+use super::outline::{Outline, Polar};
 use super::settings::{Discretization, divide, graded, graded_from_both, halved};
-use crate::gear::ToothProfile;
-use gearmesh::gear::{Gear, GearKind};
-
-/// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
-pub(super) type Polar = [f64; 2];
+use gearmesh::gear::Gear;
 
 /// Least radius of curvature of a fillet, in modules, along which elements for its stress have the size of their level; along sharper ones
 /// they are as much smaller. Else a fillet of 0.09 modules would bear 5 % too little at level normal.
 const SHARP_FILLET: f64 = 0.42;
-
-/// Chords that stand for the fillet and for the root circle beside it; 400 leave 1e-6 of its radius.
-const FILLET_STEPS: u32 = 400;
-const ROOT_STEPS: u32 = 20;
-
-/// The loaded half of a tooth: involute from the form point to the tip, fillet from the form point
-/// to the root circle, root circle to the middle of the space.
-///
-/// The arc length s is zero at the form point, positive on the involute, negative below. On the
-/// involute s = (roll² - roll_form²) / (2 rb).
-#[derive(Debug, Clone)]
-pub(super) struct Outline {
-    /// +1 external teeth, -1 ring.
-    pub kappa: f64,
-    pub base_radius: f64,
-    pub form_roll: f64,
-    pub tip_arc: f64,
-    base_half_angle: f64,
-    /// From the form point to the middle of the space, with the arc length (<= 0) of each point.
-    below: Vec<(f64, Polar)>,
-}
-
-impl Outline {
-    pub fn new(profile: &ToothProfile) -> Outline {
-        let gear = profile.gear();
-        let half_pitch = profile.half_pitch();
-        let base_half_angle = match gear.kind {
-            GearKind::External => gear.half_base_angle(),
-            GearKind::Ring => half_pitch - gear.half_base_angle(),
-        };
-        let mut outline = Outline {
-            kappa: gear.kappa(),
-            base_radius: gear.base_radius(),
-            form_roll: profile.form_roll(),
-            tip_arc: 0.0,
-            base_half_angle,
-            below: Vec::new(),
-        };
-        let (tip, form) = (gear.roll_length(gear.tip_radius), outline.form_roll);
-        outline.tip_arc = outline.kappa * (tip * tip - form * form) / (2.0 * outline.base_radius);
-        let fillet = (0..FILLET_STEPS).rev().map(|i| {
-            let point = profile.fillet(f64::from(i) / f64::from(FILLET_STEPS));
-            [point.radius(), point.angle()]
-        });
-        let (from, land) = (profile.root_angle(), half_pitch - profile.root_angle());
-        let root_land = (1..=ROOT_STEPS).map(|i| {
-            let share = f64::from(i) / f64::from(ROOT_STEPS);
-            [gear.root_radius(), from + land * share]
-        });
-        let mut arc = 0.0;
-        let mut last = outline.involute(0.0);
-        outline.below.push((0.0, last));
-        for point in fillet.chain(root_land) {
-            let step = distance(last, point);
-            if step > 1e-9 * gear.normal_module {
-                arc -= step;
-                last = point;
-                outline.below.push((arc, point));
-            }
-        }
-        // The boundary of the sector must lie exactly in the middle of the space.
-        if let Some(end) = outline.below.last_mut() {
-            end.1[1] = half_pitch;
-        }
-        outline
-    }
-
-    pub fn space_arc(&self) -> f64 {
-        self.below[self.below.len() - 1].0
-    }
-
-    /// Least radius of curvature of the fillet, m: of the circles through points some degrees apart.
-    fn sharpest(&self) -> f64 {
-        let points = self.below.iter().step_by(FILLET_STEPS as usize / 50);
-        let points: Vec<Polar> = points.map(|(_, point)| *point).collect();
-        let radii = points.windows(3).map(|p| {
-            let [a, b, c] = [[0, 1], [1, 2], [2, 0]].map(|[i, j]| distance(p[i], p[j]));
-            let [x, y] = [1, 2].map(|i| {
-                let turn = p[i][1] - p[0][1];
-                [p[i][0] * turn.cos() - p[0][0], p[i][0] * turn.sin()]
-            });
-            a * b * c / (2.0 * (x[0] * y[1] - x[1] * y[0]).abs())
-        });
-        radii.fold(f64::INFINITY, f64::min)
-    }
-
-    fn involute(&self, arc: f64) -> Polar {
-        let (rb, form) = (self.base_radius, self.form_roll);
-        let roll = (form * form + self.kappa * 2.0 * rb * arc).max(0.0).sqrt();
-        let tangent = roll / rb;
-        let angle = self.base_half_angle - self.kappa * (tangent - tangent.atan());
-        [roll.hypot(rb), angle]
-    }
-
-    /// Point at the arc length `arc`, m, between the middle of the space and the tip.
-    pub fn point(&self, arc: f64) -> Polar {
-        if arc >= 0.0 {
-            return self.involute(arc);
-        }
-        let after = self.below.partition_point(|(s, _)| *s > arc);
-        let after = after.clamp(1, self.below.len() - 1);
-        let ((s0, p0), (s1, p1)) = (self.below[after - 1], self.below[after]);
-        let t = (arc - s0) / (s1 - s0);
-        [p0[0] + t * (p1[0] - p0[0]), p0[1] + t * (p1[1] - p0[1])]
-    }
-
-    /// Outward unit normal in the transverse section, (radial, circumferential), at `arc`.
-    pub fn normal(&self, arc: f64) -> [f64; 2] {
-        if arc >= 0.0 {
-            let [radius, _] = self.involute(arc);
-            let squared = (radius - self.base_radius) * (radius + self.base_radius);
-            let roll = squared.max(0.0).sqrt();
-            return [self.kappa * roll / radius, self.base_radius / radius];
-        }
-        let step = (1e-3 * self.tip_arc).min(-arc);
-        let (low, high) = (self.point(arc - step), self.point(arc + step));
-        let mid = 0.5 * (low[0] + high[0]);
-        let (dr, dt) = (high[0] - low[0], mid * (high[1] - low[1]));
-        let length = dr.hypot(dt);
-        // Turned from the tangent towards the outside: +theta where the tangent runs to the tip.
-        [-self.kappa * dt / length, self.kappa * dr / length]
-    }
-
-    /// Arc length (negative) of the point of the fillet where its tangent has turned halfway from the
-    /// radial to the circumferential direction.
-    pub fn fillet_middle(&self) -> f64 {
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        let turned = self.below.windows(2).find(|w| {
-            let (p, q) = (w[0].1, w[1].1);
-            (q[0] - p[0]).abs() < half * distance(p, q)
-        });
-        turned.map_or(0.5 * self.space_arc(), |w| w[0].0)
-    }
-}
-
-fn distance(p: Polar, q: Polar) -> f64 {
-    (q[0] - p[0]).hypot(0.5 * (p[0] + q[0]) * (q[1] - p[1]))
-}
 
 /// Elements along the flank over the one at the tip edge, where the load kernel is narrower.
 const FLANK_OVER_TIP: f64 = 4.0;
@@ -190,6 +49,20 @@ pub(super) struct Section {
     /// left out.
     pub sides: [Vec<usize>; 2],
     pub held: Vec<usize>,
+    /// The first of the quadrilaterals of the body, of which few stand for a pitch.
+    pub body: usize,
+    /// Nodes that lie on the edges of those.
+    pub hanging: Vec<Hanging>,
+}
+
+/// A node on the edge of a quadrilateral, of which it is no node: its displacement is that of the edge.
+#[derive(Debug, Clone)]
+pub(super) struct Hanging {
+    pub node: usize,
+    /// First corner, middle and second corner of the edge.
+    pub edge: [usize; 3],
+    /// Place on the edge, -1 at its first corner, 1 at its second.
+    pub xi: f64,
 }
 
 /// A row of nodes below the root.
@@ -209,6 +82,32 @@ impl Depth {
         radius + self.t * (self.target - radius)
     }
 }
+
+/// Index of the row where the body begins, `depth` (m) below the root at the radius `corner`: that and the rows below are round, those above
+/// run into it. The last one where less than two rows of elements would be left.
+fn body_begins(rows: &mut [Depth], corner: f64, depth: f64) -> usize {
+    let last = rows.len() - 1;
+    let is_deep = |row: &Depth| (row.below(corner) - corner).abs() >= depth;
+    let first = (0..=last).step_by(2).find(|i| is_deep(&rows[*i]));
+    let Some(first) = first.filter(|first| first + 4 <= last) else {
+        return last;
+    };
+    let (t, target) = (rows[first].t, rows[first].below(corner));
+    let (above, below) = rows.split_at_mut(first);
+    if t < 1.0 {
+        for row in above {
+            (row.t, row.target) = (row.t / t, target);
+        }
+    }
+    for row in below {
+        (row.t, row.target) = (1.0, row.below(corner));
+    }
+    first
+}
+
+/// Largest angle, rad, that an element of the body spans, and the least number of them in a pitch.
+const BODY_ANGLE: f64 = 0.25;
+const BODY_ELEMENTS: f64 = 2.0;
 
 /// Node numbers of a block by column and row, both at half-element steps.
 type Grid = Vec<Vec<usize>>;
@@ -305,7 +204,10 @@ impl Section {
         let across = graded(width, fillet.min(flank), sizes.growth, largest);
         let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
         let across = halved(&across);
-        let depths = below_root(gear, corner[0], root, sizes.growth);
+        let mut depths = below_root(gear, corner[0], root, sizes.growth);
+        let space = outline.point(outline.space_arc());
+        let fine_depth = sizes.fine_depth * 2.0 * space[1] * corner[0];
+        let begin = body_begins(&mut depths, corner[0], fine_depth);
         let land = corner_arc - outline.space_arc();
         let columns = halved(&divide(0.0, land, root.min(0.5 * land)));
 
@@ -328,7 +230,7 @@ impl Section {
             transfinite(u, v, [[right[0], -right[1]], right], ends)
         });
         // Block B shares the lowest row of A.
-        let mut b = vec![vec![NO_NODE; depths.len()]; across.len()];
+        let mut b = vec![vec![NO_NODE; begin + 1]; across.len()];
         (b.iter_mut().zip(&a)).for_each(|(b, a)| b[0] = a[0]);
         let b = section.block([0, -1], b, |i, j| {
             let [radius, angle] = bottom(across[i]);
@@ -336,9 +238,8 @@ impl Section {
         });
         // Blocks C share the outermost columns of B.
         let last = across.len() - 1;
-        let space = outline.point(outline.space_arc());
         let mut under_space = |shared: usize, first: i32, side: f64| {
-            let mut c = vec![vec![NO_NODE; depths.len()]; columns.len()];
+            let mut c = vec![vec![NO_NODE; begin + 1]; columns.len()];
             c[0].clone_from(&b[shared]);
             section.block([first, -1], c, |i, j| {
                 let w = columns[i] / land;
@@ -360,14 +261,55 @@ impl Section {
         section.fillet = below.chain(above).collect();
         let below = depths.iter().skip(1).step_by(2);
         section.widths = below.map(|depth| depth.width).collect();
+        let [mut left_side, mut right_side] =
+            [&left, &right].map(|grid| grid[columns.len() - 1].clone());
         let lowest = depths.len() - 1;
+        // The body from the left side to the right one, with edges on which the nodes above it hang.
+        section.body = section.quads.len();
+        let mut lowest_row: Vec<usize> = left
+            .iter()
+            .chain(&b)
+            .chain(&right)
+            .map(|column| column[begin])
+            .collect();
+        if begin < lowest {
+            let angles = (2.0 * space[1] / BODY_ANGLE).ceil().max(BODY_ELEMENTS);
+            let angles = halved(&divide(-space[1], space[1], 2.0 * space[1] / angles));
+            let end = angles.len() - 1;
+            let mut body = vec![vec![NO_NODE; depths.len() - begin]; angles.len()];
+            (body[0][0], body[end][0]) = (left_side[begin], right_side[begin]);
+            let body = section.block([0, -1 - begin as i32 / 2], body, |i, j| {
+                [depths[begin + j].below(corner[0]), angles[i]]
+            });
+            lowest_row.retain(|node| ![left_side[begin], right_side[begin]].contains(node));
+            lowest_row.sort_unstable();
+            lowest_row.dedup();
+            section.hanging = lowest_row
+                .iter()
+                .map(|&node| {
+                    let angle = section.nodes[node][1];
+                    let after = angles[2..end]
+                        .iter()
+                        .step_by(2)
+                        .take_while(|end| **end <= angle);
+                    let first = 2 * after.count();
+                    Hanging {
+                        node,
+                        edge: [0, 1, 2].map(|i| body[first + i][0]),
+                        xi: (angle - angles[first + 1]) / (angles[first + 1] - angles[first]),
+                    }
+                })
+                .collect();
+            left_side.extend(&body[0][1..]);
+            right_side.extend(&body[end][1..]);
+            lowest_row = body.iter().map(|column| column[lowest - begin]).collect();
+        }
         // A bore or the outside of a ring that rests on a foundation is free to move, and so is the bore of a shaft.
         let is_shaft = gear.body.is_some_and(|body| body.is_shaft());
         let free = lowest + usize::from(is_shaft || gear.foundation.is_some());
-        section.sides = [&left, &right].map(|grid| grid[columns.len() - 1][..free].to_vec());
+        section.sides = [left_side, right_side].map(|side| side[..free].to_vec());
         if !is_shaft {
-            let grids = left.iter().chain(&b).chain(&right);
-            section.held = grids.map(|column| column[lowest]).collect();
+            section.held = lowest_row;
         }
         section.held.sort_unstable();
         section.held.dedup();
@@ -396,6 +338,7 @@ impl Section {
         }
         let grid = vec![vec![NO_NODE; radii.len()]; angles.len()];
         let grid = section.block([0, -1], grid, |i, j| [radii[j], angles[i]]);
+        section.body = section.quads.len();
         let lowest = radii.len() - 1;
         section.sides = [&grid[0], &grid[angles.len() - 1]].map(|side| side[..=lowest].to_vec());
         section.held = grid.iter().map(|column| column[lowest]).collect();

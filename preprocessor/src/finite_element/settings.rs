@@ -25,7 +25,13 @@ pub struct Discretization {
     pub fillet_element: Option<f64>,
     /// Elements along the involute where a wide kernel lets them be longer; None: as the flank.
     pub involute_element: Option<f64>,
+    /// Depth below the root, in pitches there, from which on few elements stand for a pitch; infinite: none.
+    pub fine_depth: f64,
 }
+
+/// What neighbouring teeth alone feel has faded to a hundredth there. Measured at level normal on three pairs: the mean transmission error
+/// changes by 1e-5, its peak-to-peak by 3e-5 to 6e-5; at a depth of 0.5 by 1e-4 to 2e-4 and 3e-4 to 4e-4.
+const FINE_DEPTH: f64 = 0.7;
 
 impl Discretization {
     /// Sizes of a level of refinement.
@@ -40,6 +46,7 @@ impl Discretization {
             kernel_half_width: 0.15,
             fillet_element: None,
             involute_element: None,
+            fine_depth: FINE_DEPTH,
         };
         // The kernel must be resolved: 1.25 elements in its half-width keep the sum of bulk and Hertz
         // within 0.1 % of a ten times finer mesh; see docs.

@@ -3,6 +3,7 @@
 pub mod convergence;
 pub mod cost;
 pub mod held;
+pub mod mesh;
 pub mod plane;
 pub mod reference;
 

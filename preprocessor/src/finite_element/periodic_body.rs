@@ -1,9 +1,8 @@
 //! The body of a gear in a harmonic of the ring: from 0.7 pitches below the roots on a few elements stand for a pitch
 //! ([`Section::body`](super::section::Section::body)).
 //!
-//! In a harmonic one side of them is the other times a phase. So what is left, the nodes of one side and those between the sides, is
-//! eliminated in each harmonic anew, up to those that move teeth and rim. They are few, for the section of a body is divided in two by
-//! few nodes.
+//! In a harmonic one side of them is the other times a phase. So the nodes of one side and those between the sides are all there are. They
+//! are eliminated in each harmonic, up to those that move teeth and rim, which takes little: few nodes divide the section of a body.
 
 use super::error::FiniteElementError;
 use super::fronts::{Elimination, Fronts};
@@ -13,7 +12,7 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// See the module.
+/// The elements of the body in one pitch, and the order in which their nodes are eliminated.
 pub(super) struct PeriodicBody {
     fronts: Fronts,
     /// Of each element, N/m.

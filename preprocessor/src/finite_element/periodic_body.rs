@@ -54,13 +54,14 @@ impl PeriodicBody {
         let eliminated = [inside.collect(), kept];
         let cells = &mesh.cells[mesh.body..];
         let elements = (mesh.body..mesh.elements.len()).into_par_iter();
-        let is_ahead = |nodes: &Vec<usize>| nodes.iter().map(|n| behind.contains_key(n)).collect();
+        let ahead = moving.iter();
+        let ahead = ahead.map(|nodes| nodes.iter().map(|n| behind.contains_key(n)).collect());
         Some(PeriodicBody {
             fronts: Fronts::new(mesh, followed, cells, eliminated, &[], 0),
             stiffness: elements
                 .map(|element| mesh.moved_stiffness(element))
                 .collect(),
-            ahead: moving.iter().map(is_ahead).collect(),
+            ahead: ahead.collect(),
             shared,
         })
     }

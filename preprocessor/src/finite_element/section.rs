@@ -87,8 +87,8 @@ impl Depth {
 /// run into it. The last one where less than two rows of elements would be left.
 fn body_begins(rows: &mut [Depth], corner: f64, depth: f64) -> usize {
     let last = rows.len() - 1;
-    let is_deep = |row: &Depth| (row.below(corner) - corner).abs() >= depth;
-    let first = (0..=last).step_by(2).find(|i| is_deep(&rows[*i]));
+    let mut ends = (0..=last).step_by(2);
+    let first = ends.find(|i| (rows[*i].below(corner) - corner).abs() >= depth);
     let Some(first) = first.filter(|first| first + 4 <= last) else {
         return last;
     };

@@ -313,8 +313,12 @@ impl Mesh {
 
     /// The nodes that move the `element`: its own, in place of those that hang on faces the nodes of these.
     pub fn moving(&self, element: usize) -> Vec<usize> {
+        let nodes = &self.elements[element];
+        if !self.hangs(nodes) {
+            return nodes.clone();
+        }
         let mut moving: Vec<usize> = Vec::new();
-        for node in &self.elements[element] {
+        for node in nodes {
             match self.hanging.get(node) {
                 Some(face) => moving.extend(face.iter().map(|(node, _)| *node)),
                 None => moving.push(*node),
@@ -325,9 +329,17 @@ impl Mesh {
         moving
     }
 
+    fn hangs(&self, nodes: &[usize]) -> bool {
+        nodes.iter().any(|node| self.hanging.contains_key(node))
+    }
+
     /// Stiffness of the `element`, N/m, by the displacements of the nodes that move it.
     pub fn moved_stiffness(&self, element: usize) -> DMatrix<f64> {
-        let (nodes, moving) = (&self.elements[element], self.moving(element));
+        let nodes = &self.elements[element];
+        if !self.hangs(nodes) {
+            return self.stiffness(nodes);
+        }
+        let moving = self.moving(element);
         let d = self.dimension;
         let mut follow = DMatrix::zeros(d * nodes.len(), d * moving.len());
         for (i, node) in nodes.iter().enumerate() {
@@ -404,9 +416,9 @@ mod tests {
         let gear = samples::gear(GearKind::External, 37, 1.0, 20.0, 0.0);
         let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 1)).unwrap();
         let mesh = model.mesh();
-        let hang = |nodes: &&Vec<usize>| nodes.iter().any(|n| mesh.hanging.contains_key(n));
-        assert!(mesh.elements.iter().filter(hang).count() > 20);
-        for element in (0..mesh.elements.len()).filter(|e| hang(&&mesh.elements[*e])) {
+        let hanging = (0..mesh.elements.len()).filter(|e| mesh.hangs(&mesh.elements[*e]));
+        assert!(hanging.clone().count() > 20);
+        for element in hanging {
             let (moving, stiffness) = (mesh.moving(element), mesh.moved_stiffness(element));
             for axis in 0..6 {
                 let mut displacement = DVector::zeros(3 * moving.len());

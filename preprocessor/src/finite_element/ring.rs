@@ -27,6 +27,7 @@ use std::ops::RangeInclusive;
 /// What is left out of the side loads over their largest product with a vector of random numbers.
 pub(super) const LEFT_OUT: f64 = 2e-7;
 const BLOCK: usize = 64;
+
 /// Response of the functionals of `sector` (of its loads where it has none) to unit loads on sector 0, m/N: for each k of `sectors` a
 /// matrix with functionals of sector k in rows, loads in columns. `solved` are the harmonics of the ring of `teeth` for these.
 pub(super) fn response(

@@ -273,33 +273,10 @@ impl Section {
             .map(|column| column[begin])
             .collect();
         if begin < lowest {
-            let angles = (2.0 * space[1] / BODY_ANGLE).ceil().max(BODY_ELEMENTS);
-            let angles = halved(&divide(-space[1], space[1], 2.0 * space[1] / angles));
-            let end = angles.len() - 1;
-            let mut body = vec![vec![NO_NODE; depths.len() - begin]; angles.len()];
-            (body[0][0], body[end][0]) = (left_side[begin], right_side[begin]);
-            let body = section.block([0, -1 - begin as i32 / 2], body, |i, j| {
-                [depths[begin + j].below(corner[0]), angles[i]]
-            });
-            lowest_row.retain(|node| ![left_side[begin], right_side[begin]].contains(node));
-            lowest_row.sort_unstable();
-            lowest_row.dedup();
-            section.hanging = lowest_row
-                .iter()
-                .map(|&node| {
-                    let angle = section.nodes[node][1];
-                    let after = angles[2..end]
-                        .iter()
-                        .step_by(2)
-                        .take_while(|end| **end <= angle);
-                    let first = 2 * after.count();
-                    Hanging {
-                        node,
-                        edge: [0, 1, 2].map(|i| body[first + i][0]),
-                        xi: (angle - angles[first + 1]) / (angles[first + 1] - angles[first]),
-                    }
-                })
-                .collect();
+            let radii = depths[begin..].iter().map(|depth| depth.below(corner[0]));
+            let ends = [left_side[begin], right_side[begin]];
+            let body = section.add_body(&radii.collect::<Vec<_>>(), space[1], ends, &lowest_row);
+            let end = body.len() - 1;
             left_side.extend(&body[0][1..]);
             right_side.extend(&body[end][1..]);
             lowest_row = body.iter().map(|column| column[lowest - begin]).collect();
@@ -314,6 +291,43 @@ impl Section {
         section.held.sort_unstable();
         section.held.dedup();
         section
+    }
+
+    /// Adds the body at these `radii` (m, at half steps) between the sides at -`half_pitch` and `half_pitch` (rad), which it meets in the nodes
+    /// `ends`. The other nodes of the row `above` hang on its edges.
+    fn add_body(
+        &mut self,
+        radii: &[f64],
+        half_pitch: f64,
+        ends: [usize; 2],
+        above: &[usize],
+    ) -> Grid {
+        let count = (2.0 * half_pitch / BODY_ANGLE).ceil().max(BODY_ELEMENTS);
+        let angles = halved(&divide(-half_pitch, half_pitch, 2.0 * half_pitch / count));
+        let last = angles.len() - 1;
+        let mut grid = vec![vec![NO_NODE; radii.len()]; angles.len()];
+        [grid[0][0], grid[last][0]] = ends;
+        let row = -1 - (self.widths.len() - radii.len() / 2) as i32;
+        let grid = self.block([0, row], grid, |i, j| [radii[j], angles[i]]);
+        let mut above: Vec<usize> = above
+            .iter()
+            .copied()
+            .filter(|n| !ends.contains(n))
+            .collect();
+        above.sort_unstable();
+        above.dedup();
+        for node in above {
+            let angle = self.nodes[node][1];
+            // Corners between the edges before it.
+            let corners = angles[2..last].iter().step_by(2);
+            let first = 2 * corners.take_while(|corner| **corner <= angle).count();
+            self.hanging.push(Hanging {
+                node,
+                edge: [0, 1, 2].map(|i| grid[first + i][0]),
+                xi: (angle - angles[first + 1]) / (angles[first + 1] - angles[first]),
+            });
+        }
+        grid
     }
 
     /// A sector of the body of `gear` from the `radius` (m) on, without teeth, at these `angles` (rad, ascending, at half steps); `ends` gives

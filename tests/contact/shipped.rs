@@ -17,15 +17,15 @@ fn each_has_its_pairs_geometry_and_range_the_error_that_was_asked_for_and_solves
         let operating = &pair.operating;
         assert_eq!(file.maximum_torque_nm, operating.maximum_torque);
         assert_eq!(file.nominal_torque_nm, operating.nominal_torque);
-        for (axis, range) in [
-            (&file.axes.misalignment, operating.misalignment),
-            (
-                &file.axes.center_distance_offset,
-                operating.center_distance_offset,
-            ),
-        ] {
-            assert_eq!([axis[0], axis[axis.len() - 1]], range);
-        }
+        let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
+        let axes = &file.axes;
+        assert_eq!(
+            ends(&axes.center_distance_offset),
+            operating.center_distance_offset
+        );
+        // Misalignment goes on beyond its limits, so that the moment is right at them.
+        let [low, high] = operating.misalignment;
+        assert_eq!(ends(&axes.misalignment), [1.6 * low, 1.6 * high]);
         assert_eq!(file.coast.is_none(), pair.coast_mirrors_drive(), "{name}");
         let error = file.interpolation_error.expect("measured when made");
         let force = error.force_rms < 2e-3 && error.force_maximum < 1.5e-2;
@@ -36,7 +36,8 @@ fn each_has_its_pairs_geometry_and_range_the_error_that_was_asked_for_and_solves
         assert_eq!(file.solver["elastic_model"], "finite elements, normal");
         assert!(setting("contact_solves") > file.drive.loa_force.len() as f64);
         assert!(setting("most_newton_steps") < 0.2 * setting("newton_steps_allowed"));
-        assert!(setting("largest_kkt_residual") < 1e-8, "{name}");
+        // Solves of tables end with a step along the tangents of their laws.
+        assert!(setting("largest_kkt_residual") < 1e-5, "{name}");
     }
 }
 

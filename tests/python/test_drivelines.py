@@ -309,7 +309,7 @@ def test_the_error_of_a_coupling_is_the_largest_of_the_run_at_the_points_of_both
     ],
 )
 def test_a_coupling_creates_energy_and_momentum_with_its_order(coupling, orders):
-    coarse, fine = (cosimulation.coupling_balance(size, coupling, duration=2.56e-4) for size in (1e-6, 5e-7))
+    coarse, fine = (cosimulation.coupling_balance(size, coupling, duration=2.56e-4) for size in (2e-6, 1e-6))
     for name, order in zip(("energy over mesh", "momentum"), orders):
         assert np.log2(coarse[name] / fine[name]) == pytest.approx(order, abs=0.15)
     assert fine["loads"] < 1e-13

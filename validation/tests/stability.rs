@@ -151,9 +151,11 @@ mod masters {
                         case.bodies.name
                     );
                     let Some(found) = errors(Told::Automatic) else {
-                        // Explicit Euler's rule feeds the modes of bearings by itself.
+                        // Explicit Euler's rule feeds the modes of bearings by itself: whatever the unit is told, they swing
+                        // ten times what the mesh does, or farther than the run is followed.
                         let others = [Told::Held, Told::Sequential, Told::Parallel];
-                        let runs_away = others.iter().all(|told| errors(*told).is_none());
+                        let runs_away = (others.iter())
+                            .all(|told| errors(*told).is_none_or(|errors| errors.steady > 1e3));
                         assert!(runs_away && theta == 0.0, "{name}: unstable");
                         continue;
                     };

@@ -151,11 +151,11 @@ fn inputs_that_a_host_fills_with_zeros_are_refused_with_where_gear_2_belongs() {
 #[test]
 fn what_lies_outside_the_tables_is_reported_with_what_they_cover() {
     let (mut instance, _) = on_tables(Interface::CoSimulation);
-    set(&mut instance, index::GEAR2_ANGLES_1, 4e-3);
+    set(&mut instance, index::GEAR2_ANGLES_1, 6e-3);
     instance.exit_initialization().unwrap();
     let said = warnings(&mut instance);
     assert!(
-        said[0].contains("mrad (tables -3.000 to 3.000)"),
+        said[0].contains("mrad (tables -4.800 to 4.800)"),
         "{said:?}"
     );
 }

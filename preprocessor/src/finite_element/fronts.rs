@@ -327,18 +327,31 @@ impl<const W: usize> Front<W> {
     /// Adds the lower triangle of `matrix`; `rows` are its rows here, ascending, and there.
     fn add(&mut self, rows: &[(usize, usize)], matrix: &DMatrix<f64>) {
         let own = self.columns.ncols() / W;
-        for (at, (column, j)) in rows.iter().enumerate() {
-            if W * *j >= matrix.ncols() {
-                continue;
-            }
-            for part in 0..W {
-                let (mut into, above) = match column.checked_sub(own) {
-                    None => (self.columns.column_mut(W * column + part), 0),
-                    Some(column) => (self.rest.column_mut(W * column + part), own),
-                };
-                let from = matrix.column(W * j + part);
-                for (row, i) in &rows[at..] {
-                    into[row - above] += from[*i];
+        // Rows that follow on each other in both.
+        let runs = rows.chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1));
+        let runs: Vec<_> = runs.collect();
+        for (number, run) in runs.iter().enumerate() {
+            for (at, (column, j)) in run.iter().enumerate() {
+                if W * *j >= matrix.ncols() {
+                    continue;
+                }
+                for part in 0..W {
+                    let (matrix_of, column, above) = match column.checked_sub(own) {
+                        None => (&mut self.columns, *column, 0),
+                        Some(column) => (&mut self.rest, column, own),
+                    };
+                    let height = matrix_of.nrows();
+                    let into =
+                        &mut matrix_of.as_mut_slice()[(W * column + part) * height..][..height];
+                    let from =
+                        &matrix.as_slice()[(W * j + part) * matrix.nrows()..][..matrix.nrows()];
+                    for rows in
+                        std::iter::once(&run[at..]).chain(runs[number + 1..].iter().copied())
+                    {
+                        let (row, i) = rows[0];
+                        let into = into[row - above..].iter_mut().zip(&from[i..]);
+                        into.take(rows.len()).for_each(|(into, from)| *into += from);
+                    }
                 }
             }
         }

@@ -179,6 +179,11 @@ impl RunUpCommand {
             .collect::<Vec<_>>();
         sweep.speeds =
             <[f64; 2]>::try_from(&speeds[..]).unwrap_or([0.3 * resonance, 1.4 * resonance]);
+        if let [low, high] = self.speed_rpm[..]
+            && low >= high
+        {
+            refuse!("--speed-rpm {low} {high}: give the lower speed first, and a higher one");
+        }
         let job = Job::new(self.quiet);
         let contact = found.contact.as_ref();
         let run = sweep

@@ -5,6 +5,9 @@ use crate::gear::PairGeometry;
 use crate::table::{Effects, Interpolation, Load};
 use crate::words::number;
 
+/// Largest phase, rad: the digits of larger ones do not reach a mesh position.
+const LARGEST_PHASE: f64 = 1e6;
+
 /// Where the stiffness comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StiffnessModel {
@@ -191,8 +194,10 @@ impl Parameters {
             let remedy = "give a share of the nominal force, above 0 and up to 1; damping = 0 switches damping off";
             return refuse("dampingOnset", self.damping_onset, "", remedy);
         }
-        if !self.mesh_phase.is_finite() {
-            return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");
+        let is_in_range = self.mesh_phase.abs() <= LARGEST_PHASE;
+        if !is_in_range {
+            let remedy = "give an angle of 1e6 rad at most, either way";
+            return refuse("meshPhase", self.mesh_phase, "rad", remedy);
         }
         if self.stiffness_model == StiffnessModel::Constant {
             let remedy = "a constant stiffness knows neither teeth nor bodies: set stiffnessModel = table, teeth or contact, or this to false";

@@ -57,7 +57,7 @@ fn what_cannot_be_swept_is_refused() {
     let [fmu, page] = folder.paths(["p.fmu", "p.html"]);
     succeed!("pack --pair {PAPER} -o {fmu}");
     refused!("run-up {} -o {} --torque-nm 0", fmu, page; "torque", "other than 0");
-    refused!("run-up {} -o {} --speed-rpm 9000 2000", fmu, page; "speeds", "higher");
+    refused!("run-up {} -o {} --speed-rpm 9000 2000", fmu, page; "--speed-rpm 9000 2000", "higher");
     refused!("run-up {} -o {} --inertia-kg-m2 0 1", fmu, page; "--inertia-kg-m2", "> 0");
     refused!("run-up {} -o {} --damping-ratio 0", fmu, page; "nothing decays");
     refused!("run-up {} -o {}", PAPER, page; "palermo2013.json");

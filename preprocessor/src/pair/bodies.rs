@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use serde::Deserialize;
 
 use super::checks::{Refusal, Refusals, both, check, ensure, in_gear, limits, refusal};
-use super::file::{BodyMatrixFile, GearFile, HolesFile, MM, PairFile, radius_of};
+use super::file::{BodyMatrixFile, GearFile, HolesFile, MM, PairFile, SupportsFile, radius_of};
 use super::text;
 use crate::finite_element::{body_basis, body_stiffness};
 use crate::storage::csv_reader;
@@ -32,17 +32,19 @@ fn of_gear(
     i: usize,
     folder: &Path,
 ) -> Result<Option<UnevenBody>, Refusals> {
-    let given = [
-        ("body_matrix", g.body_matrix.is_some()),
-        ("web_holes", g.web_holes.is_some()),
-        ("rim_pins", g.rim_pins.is_some()),
-        ("rim_supports", g.rim_supports.is_some()),
+    let all = [
+        ("body_matrix", g.body_matrix.as_ref().map(Given::Matrix)),
+        ("web_holes", g.web_holes.map(Given::Holes)),
+        ("rim_pins", g.rim_pins.map(Given::Pins)),
+        ("rim_supports", g.rim_supports.map(Given::Supports)),
     ];
-    let mut given = given.into_iter().filter(|(_, given)| *given);
-    let Some((name, _)) = given.next() else {
+    let mut all = all
+        .into_iter()
+        .filter_map(|(name, given)| Some((name, given?)));
+    let Some((name, given)) = all.next() else {
         return Ok(None);
     };
-    if let Some((other, _)) = given.next() {
+    if let Some((other, _)) = all.next() {
         return Err(
             refusal!(in_gear(i, other) => "a body"; "`{name}` is given, too"; "give one of them")
                 .into(),
@@ -55,66 +57,59 @@ fn of_gear(
     let is_held = gear.foundation.is_some() || gear.body.is_some_and(|body| body.is_shaft());
     ensure!(!is_held, in_gear(i, name) => "a body";
         "`shaft` or `rim_foundation_n_per_mm3` of the gear is given, too"; "leave that out");
-    let of_rim = ring_cylinder(gear);
-    Ok(Some(
-        match (&g.body_matrix, g.web_holes, g.rim_pins, g.rim_supports) {
-            (Some(matrix), ..) => {
-                ensure!(gear.body.is_none(), in_gear(i, name) => &matrix.nodes_file; "rim and web of the gear are given, too";
+    let path = in_gear(i, name);
+    let of_rim = |shape| UnevenBody {
+        shape,
+        ..ring_cylinder(gear)
+    };
+    let body = match given {
+        Given::Matrix(matrix) => {
+            ensure!(gear.body.is_none(), path => &matrix.nodes_file; "rim and web of the gear are given, too";
                 "leave them out: the matrix holds all that lies beyond its nodes");
-                of_matrix(matrix, gear, i, folder)?
-            }
-            (_, Some(holes), ..) => {
-                let (radius, z, inner) = match gear.body {
-                    Some(body) => (body.rim_radius, body.web, body.hub_radius),
-                    None => (
-                        gear.root_radius() - DEPTH * gear.normal_module,
-                        [0.0, gear.face_width],
-                        gear.held_radius,
-                    ),
-                };
-                let shape =
-                    BodyShape::Holes(circle(&holes, gear, &in_gear(i, name), [inner, radius])?);
-                UnevenBody { radius, z, shape }
-            }
-            (_, _, Some(pins), _) => UnevenBody {
-                shape: BodyShape::Pins(circle(
-                    &pins,
-                    gear,
-                    &in_gear(i, name),
-                    [of_rim.radius, gear.held_radius],
-                )?),
-                ..of_rim
-            },
-            (.., Some(supports)) => {
-                let path = in_gear(i, name) + ".";
-                check(
-                    &format!("{path}count"),
-                    f64::from(supports.count),
-                    [1.0, MOST_HOLES],
-                )?;
-                check(
-                    &format!("{path}angle_deg"),
-                    supports.angle_deg,
-                    [-360.0, 360.0],
-                )?;
-                let pitch = 360.0 / f64::from(supports.count);
-                check(
-                    &format!("{path}width_deg"),
-                    supports.width_deg,
-                    [0.01 * pitch, 0.95 * pitch],
-                )?;
-                UnevenBody {
-                    shape: BodyShape::Supports {
-                        count: supports.count,
-                        width: supports.width_deg.to_radians(),
-                        angle: supports.angle_deg.to_radians(),
-                    },
-                    ..of_rim
-                }
-            }
-            _ => of_rim,
-        },
-    ))
+            of_matrix(matrix, gear, i, folder)?
+        }
+        Given::Holes(holes) => {
+            let (radius, z, inner) = match gear.body {
+                Some(body) => (body.rim_radius, body.web, body.hub_radius),
+                None => (
+                    gear.root_radius() - DEPTH * gear.normal_module,
+                    [0.0, gear.face_width],
+                    gear.held_radius,
+                ),
+            };
+            let shape = BodyShape::Holes(circle(&holes, gear, &path, [inner, radius])?);
+            UnevenBody { radius, z, shape }
+        }
+        Given::Pins(pins) => {
+            let between = [ring_cylinder(gear).radius, gear.held_radius];
+            of_rim(BodyShape::Pins(circle(&pins, gear, &path, between)?))
+        }
+        Given::Supports(supports) => of_rim(shape_of_supports(&supports, &path)?),
+    };
+    Ok(Some(body))
+}
+
+/// What a file gives of a body that is no solid of revolution.
+enum Given<'a> {
+    Matrix(&'a BodyMatrixFile),
+    Holes(HolesFile),
+    Pins(HolesFile),
+    Supports(SupportsFile),
+}
+
+fn shape_of_supports(supports: &SupportsFile, path: &str) -> Result<BodyShape, Refusals> {
+    let count = f64::from(supports.count);
+    check(&format!("{path}.count"), count, [1.0, MOST_HOLES])?;
+    let whole = [-360.0, 360.0];
+    check(&format!("{path}.angle_deg"), supports.angle_deg, whole)?;
+    let pitch = 360.0 / count;
+    let widths = [0.01 * pitch, 0.95 * pitch];
+    check(&format!("{path}.width_deg"), supports.width_deg, widths)?;
+    Ok(BodyShape::Supports {
+        count: supports.count,
+        width: supports.width_deg.to_radians(),
+        angle: supports.angle_deg.to_radians(),
+    })
 }
 
 /// Most holes, pins or supports: as many are a web or a rim that is softer.
@@ -348,7 +343,7 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
         lines.next().ok_or("has no size")?,
         if is_dense { 2 } else { 3 },
     )?;
-    let [rows, columns] = [size[0] as usize, size[1] as usize];
+    let [rows, columns] = [count(size[0])?, count(size[1])?];
     if rows.max(columns) > 3 * MOST_NODES {
         return Err(format!("has {rows} rows and {columns} columns"));
     }
@@ -366,11 +361,16 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
             }
         }
     } else {
-        for _ in 0..size[2] as usize {
+        for _ in 0..count(size[2])? {
             let entry = numbers(lines.next().ok_or(TOO_SHORT)?, 3)?;
-            let [i, j] = [entry[0], entry[1]].map(|at| at as usize);
+            let [i, j] = [count(entry[0])?, count(entry[1])?];
             if !(1..=rows).contains(&i) || !(1..=columns).contains(&j) {
                 return Err(format!("has an entry at row {i}, column {j}"));
+            }
+            if is_symmetric && j > i {
+                return Err(format!(
+                    "has an entry at row {i}, column {j}, above the diagonal of a `symmetric` matrix"
+                ));
             }
             set(i - 1, j - 1, entry[2]);
         }
@@ -383,21 +383,26 @@ fn matrix_market(text: &str) -> Result<DMatrix<f64>, String> {
 
 const TOO_SHORT: &str = "ends too early";
 
+/// A number of rows, columns or entries.
+fn count(number: f64) -> Result<usize, String> {
+    let is_whole = number >= 0.0 && number.fract() == 0.0;
+    let whole = is_whole.then_some(number as usize);
+    whole.ok_or_else(|| format!("has {number} where a whole number belongs"))
+}
+
 /// The `count` numbers in a `line` that stands at `place` in the text.
 fn numbers((place, line): (usize, &str), count: usize) -> Result<Vec<f64>, String> {
-    let found: Vec<f64> = line
-        .split_whitespace()
-        .filter_map(|word| word.parse().ok())
-        .collect();
-    let is_fine = found.len() == count && found.iter().all(|x| x.is_finite());
-    match is_fine {
-        true => Ok(found),
-        false => Err(format!(
+    let found: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
+    let found = found
+        .ok()
+        .filter(|found| found.len() == count && found.iter().all(|x| x.is_finite()));
+    found.ok_or_else(|| {
+        format!(
             "has `{}` in line {}, where {count} numbers belong",
             line.chars().take(60).collect::<String>(),
             place + 1
-        )),
-    }
+        )
+    })
 }
 
 /// `stiffness` of a body turned about the axis by the angle of this sine and cosine.
@@ -589,6 +594,18 @@ mod tests {
             (
                 "%%MatrixMarket matrix coordinate real general\n1 1 1\n2 1 5\n",
                 "an entry at row 2",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 rubbish 1 5\n",
+                "has `1 rubbish 1 5` in line 3",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real general\n2 2 1\n1.9 1 5\n",
+                "has 1.9 where a whole number belongs",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 5\n",
+                "row 1, column 2, above the diagonal",
             ),
             (
                 "%%MatrixMarket matrix coordinate real general\n1e9 1e9 1\n2 1 5\n",

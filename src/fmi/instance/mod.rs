@@ -27,6 +27,9 @@ use crate::element::{
 };
 use crate::words::number;
 
+/// Inputs, m, rad and their rates, above it are out of all proportion.
+const USUAL_INPUT: f64 = 1e12;
+
 /// One instance of the FMU.
 pub struct Instance {
     pub(super) resources: Arc<Resources>,
@@ -462,15 +465,30 @@ impl Instance {
     }
 
     /// Of the output in `row`, or of `what` of it.
+    #[cold]
     fn not_finite(&self, what: &str, row: usize) -> Refusal {
         let what = format!("{what}{} is not finite", VARIABLES[INPUTS + row].name);
-        self.overflow(self.state.inputs.largest(), &what)
+        let largest = self.state.inputs.largest();
+        if self.state.inputs.get(largest).abs() > USUAL_INPUT {
+            return self.overflow(largest, &what);
+        }
+        let parameters = VARIABLES[FIRST_PARAMETER..].iter();
+        let sizes = parameters.zip(&self.state.parameters);
+        let largest = sizes.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        let of_all = largest.map_or(String::new(), |(variable, value)| {
+            format!(
+                ", of which {} = {} is the largest",
+                variable.name,
+                number(*value)
+            )
+        });
+        Refusal::discard(format!("{what}: check the parameters{of_all}"))
     }
 
     /// Numbers so large that nothing can be computed; `i` is the input to look at.
     fn overflow(&self, i: usize, what: &str) -> Refusal {
         Refusal::discard(format!(
-            "{what}: check {} = {}, its derivatives and the parameters for numbers out of all proportion",
+            "{what}: check {} = {} and its derivatives for numbers out of all proportion",
             VARIABLES[i].name,
             number(self.state.inputs.get(i))
         ))

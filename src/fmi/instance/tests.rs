@@ -333,6 +333,31 @@ fn a_derivative_that_overflows_is_refused_with_its_output() {
 }
 
 #[test]
+fn outputs_that_overflow_are_refused_with_the_input_or_parameter_out_of_all_proportion() {
+    for (i, value, named) in [
+        (index::DAMPING, 1e308, "damping = 1e308"),
+        (
+            index::GEAR1_ANGULAR_VELOCITY_3,
+            1e307,
+            "gear1.angularVelocity[3] = 1e307",
+        ),
+    ] {
+        let mut instance = constant_stiffness(Interface::CoSimulation);
+        let absolute = [reference(index::PHASE_REFERENCE)];
+        instance.set(Kind::Enumeration, &absolute, &[2]).unwrap();
+        let turn = -std::f64::consts::PI / 20.0;
+        set(&mut instance, index::GEAR1_ANGLES_3, turn + 1e-4);
+        set(&mut instance, index::GEAR1_ANGULAR_VELOCITY_3, 1e3);
+        set(&mut instance, i, value);
+        let refused = match instance.exit_initialization() {
+            Err(refused) => refused,
+            Ok(()) => instance.do_step(0.0, 1e-5).unwrap_err(),
+        };
+        assert!(refused.message.contains(named), "{refused}");
+    }
+}
+
+#[test]
 fn derivatives_by_parameters_share_the_interpolants_of_the_tables() {
     let (mut instance, _) = on_tables(Interface::CoSimulation);
     let unknown = [reference(index::MESH_NORMAL_FORCE)];

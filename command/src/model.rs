@@ -26,7 +26,7 @@ pub struct ModelArgs {
     #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).try_map(|name| serde_json::from_value::<Refinement>(name.into())))]
     refinement: Option<Refinement>,
 
-    /// Whether tip corners may touch outside the path of contact [default: as the pair file says, on]
+    /// Whether tip edges may touch outside the path of contact [default: as the pair file says, on]
     #[arg(long, value_parser = PossibleValuesParser::new(["on", "off"]).map(|switch| switch == "on"))]
     tip_corner_contact: Option<bool>,
 
@@ -156,7 +156,7 @@ impl ModelArgs {
 }
 
 /// Widens the operating range of `pair` to `torque` (N m), `misalignment` (rad) and the centre distance `offset` (m):
-/// it decides how wide a contact the elastic model resolves and how far tip corners are followed.
+/// it decides how wide a contact the elastic model resolves and how far tip edges are followed.
 pub fn widen(pair: &mut Pair, torque: f64, misalignment: [f64; 2], offset: [f64; 2]) {
     let o = &mut pair.operating;
     o.maximum_torque = o.maximum_torque.max(torque);

@@ -341,7 +341,7 @@ def solve(
     torque_nm
         On gear 1, > 0 on either flank; the pair's nominal torque where it is left out.
     misalignment_mrad
-        In the plane of action; > 0: more penetration at larger z.
+        In the plane of action; > 0 closes the large-z side.
     positions
         Number of positions over the cycle.
     center_distance_offset_um

@@ -48,7 +48,7 @@ pub struct Solve {
     #[arg(long, default_value_t = 0.0, value_parser = limits::within(limits::CENTER_DISTANCE_OFFSETS))]
     center_distance_offset_um: f64,
 
-    /// Misalignments in the plane of action, mrad, separated by commas; > 0: more penetration at larger z
+    /// Misalignments in the plane of action, mrad, separated by commas; > 0 closes the large-z side
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, default_values_t = [0.0], value_parser = limits::within(limits::MISALIGNMENTS))]
     misalignment_mrad: Vec<f64>,
 

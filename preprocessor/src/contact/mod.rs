@@ -64,11 +64,11 @@ pub fn condensed_roots(
 /// of the range of centre distances.
 ///
 /// # Errors
-/// As [`condensed_flank`]; a pair whose tip corners are not followed.
+/// As [`condensed_flank`]; a pair whose tip edges are not followed.
 pub fn contact_file(pair: &Pair, solver: &ContactSolver) -> Result<ContactFile, ContactError> {
     let settings = solver.settings();
     if !settings.tip_corner_contact {
-        let remedy = "contact at run time follows tip corners: set it to true";
+        let remedy = "contact at run time follows tip edges: set it to true";
         return Err(ContactError::input("tip_corner_contact", 0.0, remedy));
     }
     let [low, high] = pair.operating.center_distance_offset;

@@ -6,7 +6,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use gearmesh_preprocessor::pair::TORQUES;
+use gearmesh_preprocessor::pair::{LARGEST_CENTER_DISTANCE_OFFSET, LARGEST_MISALIGNMENT, TORQUES};
 
 /// Positions over a mesh cycle by default: the same for numbers and for pictures, so that both show the same largest pressure.
 pub const POSITIONS: usize = 64;
@@ -14,10 +14,11 @@ pub const POSITIONS: usize = 64;
 pub const MOST_POSITIONS: usize = 100_000;
 
 /// Misalignments, mrad, that a pair file may cover.
-pub const MISALIGNMENTS: RangeInclusive<f64> = -20.0..=20.0;
+pub const MISALIGNMENTS: RangeInclusive<f64> = -LARGEST_MISALIGNMENT..=LARGEST_MISALIGNMENT;
 
 /// Deviations from the nominal centre distance, um, that a pair file may cover.
-pub const CENTER_DISTANCE_OFFSETS: RangeInclusive<f64> = -1e4..=1e4;
+pub const CENTER_DISTANCE_OFFSETS: RangeInclusive<f64> =
+    -LARGEST_CENTER_DISTANCE_OFFSET..=LARGEST_CENTER_DISTANCE_OFFSET;
 
 /// A parser of numbers within `range`; NaN lies outside every range.
 pub fn within<T: FromStr + PartialOrd + Display + Clone>(

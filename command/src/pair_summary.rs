@@ -177,7 +177,7 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
         "root_diameter_mm", ["root diameter", "mm", 4] => mm(2.0 * g.root_radius());
         "", [head_if(!is_shaft, held), "mm", 4] => mm(2.0 * g.held_radius);
         "hand", ["hand", "", None] => hand(g);
-        "lead_mm", ["lead", "mm", 4] => mm(lead(g));
+        "lead_mm", [head_if(g.helix_angle != 0.0, "lead"), "mm", 4] => mm(lead(g));
         "profile_shift_iso_21771", ["profile shift in the sign of ISO 21771", "", 4] => g.kappa() * g.profile_shift;
         "generating_profile_shift", ["generating profile shift, of the tooth thickness", "", 4] => generating_profile_shift(g, s);
         "normal_tooth_thickness_mm", ["normal tooth thickness s_n", "mm", 4] => mm(s);

@@ -30,8 +30,8 @@ pub struct Problem<'a> {
     pub shortest: f64,
     /// How contact moves along the profile; `None`: it stays.
     pub movable: Option<Movable<'a>>,
-    /// Relative residual below which, where contact stays, a step along the tangents of all laws is the last one: what it leaves is not
-    /// measured, and is of the order of the square. With that square solves end anyway. Zero: no such step.
+    /// Relative residual below which, with contact that stays, one step along the tangents of all laws ends the solve. What it leaves
+    /// is of the order of the square and is not measured; a residual below that square ends a solve anyway. Zero: no such step.
     pub last_step_from: f64,
 }
 

@@ -379,23 +379,23 @@ impl<'e, T: Scalar> Mating<'e, T> {
         };
         let k = &self.el.constants;
         let offset = self.pose.coordinates.center_distance - k.center_distance;
-        let (shown, _) = carrying_flank(&self.flanks, self.el.reference_flank);
+        let (index, _) = carrying_flank(&self.flanks, self.el.reference_flank);
         for (i, load) in self.flanks.iter().enumerate() {
             if load.elastic.re() <= 0.0 {
                 continue;
             }
             let tabulated = || load.sliding(self.el.table()?, FLANKS[i], offset);
-            let found = self.secondary[i].map(|found| found.sliding);
-            let Some(sliding) = found.or_else(tabulated) else {
+            let solved = self.secondary[i].map(|secondary| secondary.sliding);
+            let Some(sliding) = solved.or_else(tabulated) else {
                 continue;
             };
             let spin = -self.rates.mesh_angle;
-            let found = friction.on_flank(k, &self.pose.map, load, sliding, &self.twist, spin);
-            on_2.add(&found.row, found.force);
-            rubbing.power -= found.force * found.speed;
-            if i == shown {
-                rubbing.coefficient = found.coefficient;
-                rubbing.loss_factor = found.loss_factor;
+            let on_flank = friction.on_flank(k, &self.pose.map, load, sliding, &self.twist, spin);
+            on_2.add(&on_flank.row, on_flank.force);
+            rubbing.power -= on_flank.force * on_flank.speed;
+            if i == index {
+                rubbing.coefficient = on_flank.coefficient;
+                rubbing.loss_factor = on_flank.loss_factor;
             }
         }
         rubbing

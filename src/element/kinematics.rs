@@ -12,12 +12,12 @@
 //! dgamma  = (d_y + b_y dlambda) / C        dtheta_2 = -[b_z (w_z - dgamma) + b_y w_y] / D
 //! ```
 //!
-//! X = c1 + w (c2 - c1), w = z1/(z1 + e z2), is the operating pitch point, rho_i its distance from axis i and
-//! zeta_2 = lambda - (1 - w) C b_x its axial position on gear 2. A pose becomes [`Coordinates`] q:
+//! X = c1 + f (c2 - c1), f = z1/(z1 + e z2), is the operating pitch point, rho_i its distance from axis i and
+//! zeta_2 = lambda - (1 - f) C b_x its axial position on gear 2. A pose becomes [`Coordinates`] q:
 //!
 //! ```text
 //! turn             x  = -(rb1/z1) [z1 theta_1 + e z2 theta_2] - h tan(beta_b) (zeta_2 - z_ref)
-//! half_gap         H  = sum kappa_i rb_i (inv(rho_i) - psi_i),   rho_1 = |w| C,   rho_2 = |1 - w| C sqrt(1 - b_x²)
+//! half_gap         H  = sum kappa_i rb_i (inv(rho_i) - psi_i),   rho_1 = |f| C,   rho_2 = |1 - f| C sqrt(1 - b_x²)
 //! center_distance  C,   cos phi = |rb1 + e rb2| / C
 //! misalignment     M  = -e sin(phi) b_x - s sc cos(phi) b_y, in parts even and odd in s
 //! mesh_angle       theta_1 less that of the line of centres (0 or pi),   axial  lambda
@@ -99,14 +99,19 @@ pub(crate) struct Map<T> {
     pub has_line_of_action: bool,
     /// lambda, m.
     lambda: T,
+    /// Axis of gear 2 in the frame of the mesh.
     b: [T; 3],
+    /// 1 / C, 1/m.
     per_c: T,
+    /// 1 / b_z.
     per_bz: T,
+    /// Of the operating transverse pressure angle.
     cos_phi: T,
     sin_phi: T,
     /// (b_y, b_z) / D: minus the slopes of theta_2 by w_y and w_z.
     spin: [T; 2],
-    w: f64,
+    /// f.
+    pitch_fraction: f64,
     /// rb1 and e rb2: minus the slopes of x by theta_1 and theta_2.
     radii: [f64; 2],
     /// h tan(beta_b).
@@ -153,13 +158,13 @@ impl<T: Scalar> Map<T> {
         let y = cross(&x, &-z);
         let (bx, by) = (dot(&x, &a2), dot(&y, &a2));
 
-        let w = k.pitch_fraction;
+        let fraction = k.pitch_fraction;
         let d = -bx * bx + 1.0;
         let per_d = d.recip();
         let cos_phi = per_c * k.base_sum;
         let square = cos_phi * cos_phi;
         let sin_phi = (-square + 1.0).sqrt();
-        // rho_2 sin(phi_2) over |1 - w| C. Tilt shortens rho_2 by its square; at C = |rb1 + e rb2| that can
+        // rho_2 sin(phi_2) over |1 - f| C. Tilt shortens rho_2 by its square; at C = |rb1 + e rb2| that can
         // cross the base circle.
         let rest = d - square;
         let root = if rest.re() > 0.0 {
@@ -168,9 +173,9 @@ impl<T: Scalar> Map<T> {
             T::from(0.0)
         };
         let half_gap = if whole {
-            let by_rho2 = root * (k.kappa[1] * (1.0 - w).abs());
+            let by_rho2 = root * (k.kappa[1] * (1.0 - fraction).abs());
             [
-                sin_phi * (k.kappa[0] * w.abs()) + by_rho2,
+                sin_phi * (k.kappa[0] * fraction.abs()) + by_rho2,
                 -by_rho2 * c * bx * per_d,
             ]
         } else {
@@ -192,7 +197,7 @@ impl<T: Scalar> Map<T> {
             cos_phi,
             sin_phi,
             spin: [by * per_d, bz * per_d],
-            w,
+            pitch_fraction: fraction,
             radii: [k.rb[0], k.e * k.rb[1]],
             helix: k.hand * tan_beta_b,
             half_gap,
@@ -206,7 +211,10 @@ impl<T: Scalar> Map<T> {
     #[inline(always)]
     pub(crate) fn coordinates(&self, k: &Constants, [g1, g2]: &[Motion; 2]) -> Coordinates<T> {
         let [bx, by, _] = self.b;
-        let [ahead_1, ahead_2] = [self.w.signum(), (self.w - 1.0).signum()];
+        let [ahead_1, ahead_2] = [
+            self.pitch_fraction.signum(),
+            (self.pitch_fraction - 1.0).signum(),
+        ];
         let column = |gear: &Motion, axis: usize| gear.r.column(axis).into_owned();
         let (x1, y1) = (column(g1, 0), column(g1, 1));
         let x2 = turned::<T>(&column(g2, 0), part::ROTATION_2);
@@ -231,11 +239,11 @@ impl<T: Scalar> Map<T> {
             + k.half_gap;
         Coordinates {
             turn: (theta1 * k.z[0] + theta2 * (k.e * k.z[1]) - k.tooth_zero) * -k.per_tooth_angle
-                - (self.lambda - self.c * bx * (1.0 - self.w) - k.z_ref) * self.helix,
+                - (self.lambda - self.c * bx * (1.0 - self.pitch_fraction) - k.z_ref) * self.helix,
             half_gap: lift(gap, &self.half_gap.map(T::re), &[self.c, bx]),
             center_distance: self.c,
             misalignment: [self.even[1] * bx, self.odd[1] * by],
-            mesh_angle: theta1 - behind(self.w),
+            mesh_angle: theta1 - behind(self.pitch_fraction),
             axial: self.lambda,
         }
     }
@@ -264,7 +272,7 @@ impl<T: Scalar> Map<T> {
         let spin = w.z - gamma;
         let b = [bz * w.y - by * spin, bx * spin - bz * w.x];
         let theta2 = -(self.spin[1] * spin + self.spin[0] * w.y);
-        let along = (c * bx + self.c * b[0]) * (1.0 - self.w);
+        let along = (c * bx + self.c * b[0]) * (1.0 - self.pitch_fraction);
         Coordinates {
             turn: (axial - along) * -self.helix - gamma * self.radii[0] - theta2 * self.radii[1],
             half_gap: self.half_gap[0] * c + self.half_gap[1] * b[0],
@@ -283,7 +291,7 @@ impl<T: Scalar> Map<T> {
     pub(crate) fn wrench(&self, slopes: &Coordinates<T>) -> Spatial<T> {
         let [m_even, m_odd] = slopes.misalignment;
         let [bx, by, bz] = self.b;
-        let along = slopes.turn * (self.helix * (1.0 - self.w));
+        let along = slopes.turn * (self.helix * (1.0 - self.pitch_fraction));
         // Slopes by the scalars of the frame.
         let by_c = slopes.center_distance
             + bx * along
@@ -329,7 +337,7 @@ impl<T: Scalar> Map<T> {
         let (x, y) = (self.sin_phi * k.e, self.cos_phi * (sign * k.sc));
         let force = [-y * share, x * share];
         // X - c2, mid-face, has these components along x and z.
-        let (across, up) = (self.c * (self.w - 1.0), k.z_ref - self.station);
+        let (across, up) = (self.c * (self.pitch_fraction - 1.0), k.z_ref - self.station);
         Spatial {
             linear: Vector3::new(force[0], force[1], T::from(0.0)),
             angular: Vector3::new(
@@ -370,7 +378,7 @@ impl<T: Scalar> Map<T> {
     /// From gear 1's origin to the point `arm` (m) along gear 1's axis from the operating pitch point at the station, m, W.
     #[inline(always)]
     pub(crate) fn near_pitch_point(&self, arm: T) -> Vector3<T> {
-        scaled(&self.x, self.c * self.w) + scaled(&self.z, arm + self.station)
+        scaled(&self.x, self.c * self.pitch_fraction) + scaled(&self.z, arm + self.station)
     }
 }
 

@@ -245,8 +245,8 @@ impl Law {
         [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
     }
 
-    /// The potential at the coordinates `at`, and the secondary results under load with their slopes, those that are not known by
-    /// differences, where `q`, the same as numbers, carries derivatives.
+    /// The potential at the coordinates `at`, and the secondary results under load. Where `q`, the same coordinates as numbers, carries
+    /// derivatives, results get slopes, too: those that their source does not know by central differences.
     #[inline(never)]
     fn potential_and_secondary<T: Scalar>(
         &self,

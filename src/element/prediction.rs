@@ -121,7 +121,7 @@ pub struct Prediction {
 
 /// Angle omega H of the mesh's own oscillation over a step, from which on the loads are those at the communication point: beyond it no
 /// weights below are stable.
-const LONGEST_STEP: f64 = 1.7;
+const LARGEST_STEP_ANGLE: f64 = 1.7;
 
 /// Weights of the loads at begin, middle (twice) and end of a step for the constant load over it under which the bodies stand where the
 /// changing one moves them at every communication point: the mean less H²/12 times the second derivative, so that
@@ -148,7 +148,7 @@ const MOST_ACCELERATION: f64 = 1e12;
 const LEAST_MOBILITY: f64 = 1e-6;
 
 /// Mobility that stands for one that is not known, 1/kg.
-const UNKNOWN: f64 = 1.0;
+const UNKNOWN_MOBILITY: f64 = 1.0;
 
 /// Where the step begins in which the loads act, beside the drift with the present velocities: after `time` s, by a displacement, m,
 /// and a rate, m/s, under the accelerations of `outlook`, over `length` s.
@@ -190,7 +190,7 @@ impl Element {
         };
         let force = mesh.force_along_turn();
         let mobility = match request.effective_mass {
-            0.0 => UNKNOWN,
+            0.0 => UNKNOWN_MOBILITY,
             mass => mass.recip(),
         };
         let mut history = self.observe(mesh, &outputs, last, request, mobility);
@@ -226,7 +226,7 @@ impl Element {
                     length,
                 },
             };
-            if history.report.angle > LONGEST_STEP {
+            if history.report.angle > LARGEST_STEP_ANGLE {
                 history.report.mode = Mode::TooLong;
             } else if let Some((loads, force)) =
                 self.step_loads(phase, inputs, now, &acting, workspace)

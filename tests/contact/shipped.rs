@@ -35,7 +35,7 @@ fn each_has_its_pairs_geometry_and_range_the_error_that_was_asked_for_and_solves
         let setting = |key: &str| file.solver[key].as_f64().unwrap();
         assert_eq!(file.solver["elastic_model"], "finite elements, normal");
         assert!(setting("contact_solves") > file.drive.loa_force.len() as f64);
-        assert!(setting("most_newton_steps") < 0.2 * setting("newton_steps_allowed"));
+        assert!(setting("most_newton_steps") <= 12.0);
         // Solves of tables end with a step along the tangents of their laws.
         assert!(setting("largest_kkt_residual") < 1e-5, "{name}");
     }

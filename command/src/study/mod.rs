@@ -102,9 +102,27 @@ fn class(text: &str) -> Result<u8, String> {
 }
 
 impl Study {
-    pub fn run(self) -> Result<()> {
+    /// Samples and points of `plan`.
+    fn counts(&self, plan: &Plan) -> Result<[usize; 2]> {
+        let samples = match (plan.drawn.is_empty(), self.samples) {
+            (true, _) => 0,
+            (_, Some(samples)) => samples,
+            _ if plan.axes.is_empty() => 500,
+            _ => 20,
+        };
+        match (plan.is_optimized(), self.points) {
+            (true, Some(points)) => Ok([samples, points]),
+            (true, None) => Ok([samples, POINTS * plan.axes.len()]),
+            (false, None) => Ok([samples, plan.points()]),
+            (false, Some(points)) => refuse!(
+                "--points = {points}: nothing is optimized; give --vary FIELD=LOW..HIGH/optimize, too, or leave it out"
+            ),
+        }
+    }
+
+    /// What is varied and looked for, the pair with the operating range that it takes, and how many samples and points.
+    fn setup(&self) -> Result<(Setup, Pair, [usize; 2])> {
         let draft = PairDraft::read(&self.pair)?;
-        let origin = origin(&self.pair)?;
         let drawn = self.model.applied_to(draft.pair()?);
         let mut pair = self.shafts.applied_to(drawn.clone());
         let mut torques = self.torques_nm.clone();
@@ -112,24 +130,9 @@ impl Study {
             torques.push(pair.operating.nominal_torque);
         }
         let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
-        let samples = match (plan.drawn.is_empty(), self.samples) {
-            (true, _) => 0,
-            (_, Some(samples)) => samples,
-            _ if plan.axes.is_empty() => 500,
-            _ => 20,
-        };
-        let points = match self.points {
-            _ if !plan.is_optimized() => plan.points(),
-            Some(points) => points,
-            None => POINTS * plan.axes.len(),
-        };
-        if let (false, Some(points)) = (plan.is_optimized(), self.points) {
-            refuse!(
-                "--points = {points}: nothing is optimized; give --vary FIELD=LOW..HIGH/optimize, too, or leave it out"
-            );
-        }
+        let [samples, points] = self.counts(&plan)?;
         let outcomes = outcomes(self.model.root_stress);
-        let mut setup = Setup {
+        let setup = Setup {
             measure: self.best.measure(&outcomes, &torques)?,
             requirements: self.best.requirements(&outcomes)?,
             draft,
@@ -157,6 +160,12 @@ impl Study {
         for torque in setup.torques.iter().copied().chain([largest]) {
             widen(&mut pair, torque, tilts, offsets);
         }
+        Ok((setup, pair, [samples, points]))
+    }
+
+    pub fn run(self) -> Result<()> {
+        let origin = origin(&self.pair)?;
+        let (mut setup, pair, [samples, points]) = self.setup()?;
 
         output::make_folder("--output", &self.output)?;
         let names = ["samples.csv", "study.json", "study.html", "best.json"];
@@ -214,14 +223,13 @@ impl Study {
         if let Some(found) = &found {
             statistics.extend(setup.spread(&done, found.point)?);
             violations.extend(setup.violations(&done, found.point));
-            let mut draft =
-                setup.changed(found.point, &setup.plan.values(found.point, 0, self.seed))?;
-            draft.rename(&format!("{}-best", known.pair));
-            output::write_whole(&best, draft.to_json().as_bytes())?;
-        } else if best.exists() {
-            // Of an earlier run with other requirements.
-            std::fs::remove_file(&best)?;
         }
+        self.write_best(
+            &setup,
+            found.as_ref().map(|found| found.point),
+            &known.pair,
+            &best,
+        )?;
         // More samples than requested now stay in the table.
         let samples = done.iter().map(|s| s.number).max().unwrap_or(0);
         let nearest = setup.nearest(&done).filter(|_| found.is_none());
@@ -246,6 +254,27 @@ impl Study {
                  {violates}: relax a requirement, or vary more fields or wider"
             ),
         }
+    }
+
+    /// Writes the pair of the `best` point, as a variant of the pair `name`, to `path`. Where there is none, the file of an earlier run with
+    /// other requirements goes.
+    fn write_best(
+        &self,
+        setup: &Setup,
+        best: Option<usize>,
+        name: &str,
+        path: &Path,
+    ) -> Result<()> {
+        let Some(point) = best else {
+            if path.exists() {
+                let failed = |e| format!("cannot remove {}: {e}", path.display());
+                std::fs::remove_file(path).map_err(failed)?;
+            }
+            return Ok(());
+        };
+        let mut draft = setup.changed(point, &setup.plan.values(point, 0, self.seed))?;
+        draft.rename(&format!("{name}-best"));
+        output::write_whole(path, draft.to_json().as_bytes())
     }
 
     fn identity(&self, pair: &Pair, setup: &Setup, samples: usize) -> String {

@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use crate::gear::Shaft;
 use crate::pair::LARGEST_DEFLECTION;
-use crate::static_contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
+use crate::static_contact::{
+    ContactError, ContactResult, ContactSolver, EdgeLoad, PositionProblem, SegmentLoad,
+};
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::{Flank, Gear, PairGeometry};
 use gearmesh::words::count;
@@ -85,8 +87,49 @@ impl LoadCase {
     }
 }
 
-/// Contact, shafts, no-load approach (m) and sliding at a position.
-type Solved = (ContactResult, Option<ShaftState>, [f64; 2], [Sliding; 2]);
+/// What a load does at a position.
+struct Solved {
+    contact: ContactResult,
+    shafts: Option<ShaftState>,
+    /// Approach at which unloaded flanks touch, m.
+    no_load_approach: f64,
+    /// Approach under the load if contact stayed where undeformed flanks touch, m.
+    held_approach: f64,
+    /// Without friction, and with that of the pair.
+    sliding: [Sliding; 2],
+}
+
+/// Solves `position` under `load`, from the solution `before` of a near load.
+fn solve_at(
+    solver: &ContactSolver,
+    shafts: Option<&Shafts>,
+    position: &mut PositionProblem,
+    (flank, tau): (Flank, f64),
+    load: &LoadCase,
+    before: Option<&Solved>,
+) -> Result<Solved, ContactError> {
+    let (torque, misalignment) = (load.torque, load.misalignment);
+    let (contact, shafts) = match shafts {
+        Some(shafts) => {
+            let warm = before.and_then(|before| Some((&before.contact, before.shafts.as_ref()?)));
+            let load = [torque, misalignment];
+            let (contact, state) = shafts.solve(solver, position, (flank, tau), load, warm)?;
+            (contact, Some(state))
+        }
+        None => {
+            let warm = before.map(|before| &before.contact);
+            (position.solve_torque(torque, misalignment, warm)?, None)
+        }
+    };
+    let laws = [FrictionLaw::default(), solver.friction()];
+    Ok(Solved {
+        shafts,
+        no_load_approach: position.no_load_approach(misalignment),
+        held_approach: position.approach_of_held_contact(misalignment, &contact)?,
+        sliding: laws.map(|law| solver.sliding(position, &contact, &law)),
+        contact,
+    })
+}
 
 impl MeshCycle {
     /// Solves all positions under `load`, in parallel, without shafts.
@@ -125,7 +168,6 @@ impl MeshCycle {
         let begin = Instant::now();
         let mesh_position: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
         let done = AtomicUsize::new(0);
-        let even = FrictionLaw::default();
         let geometry = solver.geometry();
         let shafts = Shafts::new(geometry, shafts, input.flank, input.center_distance_offset);
         let largest = cases.iter().map(|case| case.torque).fold(0.0, f64::max);
@@ -139,29 +181,10 @@ impl MeshCycle {
             let mut solved: Vec<Solved> = Vec::with_capacity(cases.len());
             for case in cases {
                 // The case before is a near one.
-                let warm = solved
-                    .last()
-                    .map(|(result, state, ..)| (result, state.as_ref()));
-                let (result, state) = match &shafts {
-                    Some(shafts) => {
-                        let warm = warm.and_then(|(result, state)| Some((result, state?)));
-                        let load = [case.torque, case.misalignment];
-                        let found =
-                            shafts.solve(solver, &mut at, (input.flank, *tau), load, warm)?;
-                        (found.0, Some(found.1))
-                    }
-                    None => {
-                        let warm = warm.map(|(result, _)| result);
-                        (at.solve_torque(case.torque, case.misalignment, warm)?, None)
-                    }
-                };
-                let sliding =
-                    [even, solver.friction()].map(|law| solver.sliding(&at, &result, &law));
-                let unbent = [
-                    at.no_load_approach(case.misalignment),
-                    at.approach_of_held_contact(case.misalignment, &result)?,
-                ];
-                solved.push((result, state, unbent, sliding));
+                let before = solved.last();
+                let place = (input.flank, *tau);
+                let found = solve_at(solver, shafts.as_ref(), &mut at, place, case, before)?;
+                solved.push(found);
                 let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(count as f64 / (n * cases.len()) as f64);
             }
@@ -176,11 +199,11 @@ impl MeshCycle {
         let mut cycles = vec![empty; cases.len()];
         for position in solved {
             for (cycle, found) in cycles.iter_mut().zip(position) {
-                let (result, state, [no_load, held], [sliding, friction]) = found;
-                cycle.results.push(result);
-                cycle.shafts.extend(state);
-                cycle.no_load_approach.push(no_load);
-                cycle.held_ste.push(held);
+                let [sliding, friction] = found.sliding;
+                cycle.results.push(found.contact);
+                cycle.shafts.extend(found.shafts);
+                cycle.no_load_approach.push(found.no_load_approach);
+                cycle.held_ste.push(found.held_approach);
                 cycle.sliding.push(sliding);
                 cycle.friction.push(friction);
             }

@@ -109,7 +109,7 @@ impl Settings {
         let mut settings = Settings::new(pair.refinement, (ratio.max(1.0) + 0.5).ceil() as usize);
         let sizes = &mut settings.discretization;
         let module = geometry.gears[0].normal_module;
-        let wide = (KERNEL_OVER_HERTZ * pair.widest_contact() / module).min(WIDEST_KERNEL);
+        let wide = (KERNEL_OVER_HERTZ * pair.largest_half_width() / module).min(WIDEST_KERNEL);
         sizes.kernel_half_width = sizes.kernel_half_width.max(wide);
         let involute = sizes.kernel_half_width / KERNEL_OVER_INVOLUTE_ELEMENT;
         sizes.involute_element = (involute > sizes.flank_element).then_some(involute);

@@ -204,7 +204,7 @@ impl Pair {
 
     /// Estimate of the largest Hertz half-width of the pair, m: the maximum torque on one tooth pair, spread
     /// over the face evenly or, with misalignment, as a triangle on an elastic foundation.
-    pub fn widest_contact(&self) -> f64 {
+    pub fn largest_half_width(&self) -> f64 {
         let g = &self.geometry;
         let c = g.center_distance;
         let path = g.path_of_contact(c);

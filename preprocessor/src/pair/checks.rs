@@ -433,8 +433,11 @@ fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// mrad.
-pub(super) const LARGEST_MISALIGNMENT: f64 = 20.0;
+/// Largest misalignment of `operating`, either way, mrad.
+pub const LARGEST_MISALIGNMENT: f64 = 20.0;
+
+/// Largest deviation from the nominal centre distance of `operating`, either way, um.
+pub const LARGEST_CENTER_DISTANCE_OFFSET: f64 = 1e4;
 
 /// Refuses a range without 0 or beyond `most`.
 fn check_range(field: &str, [low, high]: [f64; 2], most: f64) -> Result<(), Refusal> {
@@ -445,7 +448,11 @@ fn check_range(field: &str, [low, high]: [f64; 2], most: f64) -> Result<(), Refu
 fn check_operating(file: &PairFile) -> Result<(), Refusals> {
     let o = &file.operating;
     let offset = o.center_distance_offset_um;
-    let offset = check_range("operating.center_distance_offset_um", offset, 1e4);
+    let offset = check_range(
+        "operating.center_distance_offset_um",
+        offset,
+        LARGEST_CENTER_DISTANCE_OFFSET,
+    );
     let tilt = o.misalignment_mrad.map_or(Ok(()), |m| {
         check_range("operating.misalignment_mrad", m, LARGEST_MISALIGNMENT)
     });

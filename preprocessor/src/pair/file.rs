@@ -349,7 +349,7 @@ impl ShaftFile {
     }
 
     /// What it says of the shaft on bearings first, by field.
-    pub fn on_bearings(&self) -> Option<&'static str> {
+    pub fn field_of_bearings(&self) -> Option<&'static str> {
         let fields = [
             ("sections", self.sections.is_some()),
             ("bearings", self.bearings.is_some()),

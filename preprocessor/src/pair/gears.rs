@@ -261,8 +261,8 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         .into());
     }
     // A shaft on bearings alone leaves the gear held at its bore.
-    let cut_from =
-        (g.shaft.as_ref()).filter(|shaft| shaft.has_pieces() || shaft.on_bearings().is_none());
+    let cut_from = (g.shaft.as_ref())
+        .filter(|shaft| shaft.has_pieces() || shaft.field_of_bearings().is_none());
     gear.body = match (first, cut_from, g.rim_thickness_mm, g.web_thickness_mm) {
         (None, None, ..) => None,
         (None, Some(given), ..) => Some(shaft(g, given, gear, i)?),

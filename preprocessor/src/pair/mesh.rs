@@ -4,6 +4,7 @@ use super::checks::{Refusal, ensure, in_gear, note, refusal, remedy};
 use super::file::{MM, PairFile, UM, radius_of};
 use super::gears::{self, tip_field, usual_tip_radius};
 use crate::gear::ToothProfile;
+use gearmesh::contact::STIFFNESS_OVER_MODULUS;
 use gearmesh::gear::{Gear, GearKind, PairGeometry, involute};
 use gearmesh::words::{number, rounded};
 
@@ -133,9 +134,6 @@ pub(super) fn check_torques(
 /// Deflection over the normal module up to which teeth count as undeformed: from there on the contact has moved so far along the bent
 /// flanks that deflections of undeformed ones err by about this part.
 pub const LARGEST_DEFLECTION: f64 = 0.05;
-
-/// Stiffness of a tooth pair per face width over Young's modulus: 14 N/(mm um) of steel (ISO 6336-1).
-const STIFFNESS_OVER_MODULUS: f64 = 0.068;
 
 /// The pair at one centre distance, m, with the field and value of the file that set it.
 struct InMesh<'a> {

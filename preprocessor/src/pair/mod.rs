@@ -19,7 +19,9 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-pub use checks::{Refusal, Refusals, TORQUES};
+pub use checks::{
+    LARGEST_CENTER_DISTANCE_OFFSET, LARGEST_MISALIGNMENT, Refusal, Refusals, TORQUES,
+};
 pub use drawing::Gauges;
 pub use gears::ASSUMED_HELD;
 pub(crate) use gears::default_held_radius;
@@ -28,9 +30,7 @@ pub use modifications::{modifications, topographies, topography};
 pub use text::PairError;
 
 use crate::gear::{Operating, Pair, Shaft};
-use checks::{
-    LARGEST_MISALIGNMENT, LEAST_HELIX, both, ensure, every, in_gear, limits, refusal, suspicious,
-};
+use checks::{LEAST_HELIX, both, ensure, every, in_gear, limits, refusal, suspicious};
 use file::{FrictionFile, FrictionLawFile, PairFile, UM};
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Gear, GearKind, PairGeometry, PairTeeth};

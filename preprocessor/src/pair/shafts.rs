@@ -1,7 +1,9 @@
 //! Shafts on bearings: `sections`, `bearings` and what belongs to them in `shaft` of a gear.
 
 use super::checks::{ABOVE_0, Refusals, both, check, ensure, every, in_gear, limits, refusal};
-use super::file::{MM, PairFile, ShaftEnd, ShaftFile, UM, radius_of};
+use super::file::{
+    BearingFile, MM, PairFile, ShaftEnd, ShaftFile, ShaftSectionFile, UM, radius_of,
+};
 use crate::gear::{Bearing, Shaft, ShaftSection};
 use gearmesh::gear::{Body, Gear, PairGeometry};
 use gearmesh::words::{fixed, rounded};
@@ -59,10 +61,24 @@ pub(super) fn note(
     ))
 }
 
-fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>, Refusals> {
-    let path = |name: &str| in_gear(i, &format!("shaft.{name}"));
+/// Name in the file of the field `name` of the shaft of gear `i`.
+fn in_shaft(i: usize, name: &str) -> String {
+    in_gear(i, &format!("shaft.{name}"))
+}
+
+/// What a shaft on bearings must have.
+struct Required<'a> {
+    sections: &'a [ShaftSectionFile],
+    start_mm: f64,
+    bearings: &'a [BearingFile],
+    torque_end: ShaftEnd,
+}
+
+/// None without a shaft on bearings.
+fn required(given: &ShaftFile, i: usize) -> Result<Option<Required<'_>>, Refusals> {
+    let path = |name: &str| in_shaft(i, name);
     let Some(sections) = &given.sections else {
-        if let Some(name) = given.on_bearings() {
+        if let Some(name) = given.field_of_bearings() {
             return Err(
                 refusal!(path("sections") => "none"; "`{name}` says something of a shaft on bearings";
                 "give the sections of the shaft from low to high z, each with `diameter_mm` and `length_mm`, or leave `{name}` out").into(),
@@ -71,7 +87,7 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
         return Ok(None);
     };
     let missing = |name: &str, remedy: &str| refusal!(path(name) => "none"; "a shaft with `sections` needs it"; "give {remedy}");
-    let start = given.start_mm.ok_or_else(|| {
+    let start_mm = given.start_mm.ok_or_else(|| {
         missing(
             "start_mm",
             "z of the lower end of the first section, from the gear's z = 0 face",
@@ -93,6 +109,20 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
         ensure!((1..=MOST_PIECES).contains(&count), path(name) => count;
             "that many are no shaft"; "give 1 to {MOST_PIECES}");
     }
+    Ok(Some(Required {
+        sections,
+        start_mm,
+        bearings,
+        torque_end,
+    }))
+}
+
+fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>, Refusals> {
+    let path = |name: &str| in_shaft(i, name);
+    let Some(required) = required(given, i)? else {
+        return Ok(None);
+    };
+    let sections = required.sections;
     let whole = limits! { path(""), given;
         start_mm: [-1e5, 1e5];
         youngs_modulus_gpa: [ABOVE_0, 2000.0];
@@ -119,7 +149,7 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
         None => gear.root_radius(),
     };
     let mut shaft = Shaft {
-        start: start * MM,
+        start: required.start_mm * MM,
         sections: (sections.iter())
             .map(|s| ShaftSection {
                 radii: [s.inner_diameter_mm.unwrap_or(0.0), s.diameter_mm].map(radius_of),
@@ -127,18 +157,33 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
             })
             .collect(),
         bearings: vec![],
-        torque_at_upper_end: torque_end == ShaftEnd::Upper,
+        torque_at_upper_end: required.torque_end == ShaftEnd::Upper,
         youngs_modulus: 1e9 * given.youngs_modulus_gpa.unwrap_or(206.0),
         poisson_ratio: given.poisson_ratio.unwrap_or(0.3),
         seat,
         seat_radius: outside,
     };
+    check_place(&shaft, gear, i)?;
+    if let Some(mm) = given.seat_diameter_mm {
+        let root = gear.root_radius();
+        check(&path("seat_diameter_mm"), mm, [ABOVE_0, 2.0 * root / MM])?;
+        shaft.seat_radius = radius_of(mm);
+    }
+    shaft.bearings = bearings(required.bearings, &shaft, i)?;
+    check_freedom(&shaft, gear, i)?;
+    Ok(Some(shaft))
+}
+
+/// Refuses a shaft that does not reach through the gear, or is thicker than its root there.
+fn check_place(shaft: &Shaft, gear: &Gear, i: usize) -> Result<(), Refusals> {
+    let path = |name: &str| in_shaft(i, name);
+    let seat = shaft.seat;
     let ends = shaft.section_ends();
     let [low, high] = [ends[0], ends[ends.len() - 1]];
     let (shown_low, shown_high) = (rounded(low / MM), rounded(high / MM));
     let [first, last] = seat.map(|z| rounded(z / MM));
     // Half a micrometre is the rounding of a drawing.
-    ensure!(low <= seat[0] + 0.5 * UM && seat[1] <= high + 0.5 * UM, path("start_mm") => start;
+    ensure!(low <= seat[0] + 0.5 * UM && seat[1] <= high + 0.5 * UM, path("start_mm") => rounded(shaft.start / MM);
         "puts the shaft at z {shown_low} to {shown_high} mm, and the gear sits at {first} to {last} mm";
         "give z of the lower end of the first section from the gear's z = 0 face, negative for a shaft that begins below it, \
          and sections that reach through the gear");
@@ -151,19 +196,23 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
             "the section lies under the teeth, whose root circle has {:.3} mm", 2.0 * root / MM;
             "give at most that diameter there, and the length beside the teeth as a section of its own");
     }
-    if let Some(mm) = given.seat_diameter_mm {
-        check(&path("seat_diameter_mm"), mm, [ABOVE_0, 2.0 * root / MM])?;
-        shaft.seat_radius = radius_of(mm);
-    }
-    for (k, bearing) in bearings.iter().enumerate() {
-        limits! { path(&format!("bearings.{k}.")), bearing;
+    Ok(())
+}
+
+/// The `given` bearings of `shaft`.
+fn bearings(given: &[BearingFile], shaft: &Shaft, i: usize) -> Result<Vec<Bearing>, Refusals> {
+    let ends = shaft.section_ends();
+    let [low, high] = [ends[0], ends[ends.len() - 1]];
+    let mut bearings = vec![];
+    for (k, bearing) in given.iter().enumerate() {
+        limits! { in_shaft(i, &format!("bearings.{k}.")), bearing;
             z_mm: [low / MM, high / MM];
             radial_stiffness_n_per_um: [1e-3, 1e6];
             axial_stiffness_n_per_um: [0.0, 1e6];
             tilt_stiffness_nm_per_mrad: [0.0, 1e6];
             radial_clearance_um: [0.0, 1e4];
         }?;
-        shaft.bearings.push(Bearing {
+        bearings.push(Bearing {
             z: bearing.z_mm * MM,
             radial_stiffness: 1e6 * bearing.radial_stiffness_n_per_um,
             axial_stiffness: 1e6 * bearing.axial_stiffness_n_per_um.unwrap_or(0.0),
@@ -171,17 +220,26 @@ fn on_bearings(given: &ShaftFile, gear: &Gear, i: usize) -> Result<Option<Shaft>
             free_radius: 0.5 * bearing.radial_clearance_um.unwrap_or(0.0) * UM,
         });
     }
+    Ok(bearings)
+}
+
+/// Refuses bearings that leave the shaft free to move.
+fn check_freedom(shaft: &Shaft, gear: &Gear, i: usize) -> Result<(), Refusals> {
+    let path = || in_shaft(i, "bearings");
+    let count = shaft.bearings.len();
+    let ends = shaft.section_ends();
+    let length = ends[ends.len() - 1] - ends[0];
     let z = shaft.bearings.iter().map(|b| b.z);
     let apart = z.clone().fold(f64::NEG_INFINITY, f64::max) - z.fold(f64::INFINITY, f64::min);
     let tilts = shaft.bearings.iter().any(|b| b.tilt_stiffness > 0.0);
-    ensure!(tilts || apart > 1e-3 * (high - low), path("bearings") => bearings.len();
+    ensure!(tilts || apart > 1e-3 * length, path() => count;
         "they let the shaft tilt freely"; "give two bearings at a distance from each other, or one with `tilt_stiffness_nm_per_mrad`");
     let axial = shaft.bearings.iter().any(|b| b.axial_stiffness > 0.0);
-    ensure!(axial || gear.helix_angle == 0.0, path("bearings") => bearings.len();
+    ensure!(axial || gear.helix_angle == 0.0, path() => count;
         "none takes the axial force of the helical teeth";
         "give the one that does its `axial_stiffness_n_per_um`");
-    ensure!(is_held(&shaft, gear), path("bearings") => shaft.bearings.len();
+    ensure!(is_held(shaft, gear), path() => count;
         "stiffnesses and diameters are too far apart for a solution";
         "check diameters, lengths and stiffnesses, in the units of their names");
-    Ok(Some(shaft))
+    Ok(())
 }

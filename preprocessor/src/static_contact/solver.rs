@@ -49,7 +49,7 @@ pub fn contact_settings(pair: &Pair) -> ContactSettings {
         Refinement::Coarse => COARSE_OVER_NORMAL,
         Refinement::Normal | Refinement::Fine => 1.0,
     };
-    let least = elements * 2.0 * pair.widest_contact();
+    let least = elements * 2.0 * pair.largest_half_width();
     let (_, face) = pair.geometry.face_overlap();
     let default = ContactSettings::default();
     ContactSettings {
@@ -110,7 +110,7 @@ impl ContactSolver {
                 settings,
                 followed_approach,
                 // The local law then holds up to 2.25 times the line load that was estimated.
-                reference_length: pair.widest_contact(),
+                reference_length: pair.largest_half_width(),
                 corner_resolution,
                 form_rolls,
                 friction: Some(pair.friction),
@@ -161,31 +161,31 @@ impl ContactSolver {
     /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_approach`] says, as with bodies
     /// that tilt under the thrust of a steep helix. What cannot be solved here is refused when it comes up.
     fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
-        let mut followed = self.setup.followed_approach;
+        let mut solved = self.setup.followed_approach;
         for _ in 0..TRIALS {
-            let Ok(needed) = self.needed_approach(pair) else {
-                break;
-            };
-            followed = self.setup.followed_approach;
-            if needed == 0.0 {
-                break;
+            match self.needed_approach(pair) {
+                Ok(Some(needed)) => {
+                    solved = self.setup.followed_approach;
+                    self.setup.followed_approach = MARGIN * needed;
+                }
+                Ok(None) => break,
+                Err(_) => return self.followed_to(solved),
             }
-            self.setup.followed_approach = MARGIN * needed;
         }
-        self.followed_to(followed)
+        self
     }
 
-    /// Largest approach at the positions tried, m, if tip edges are not followed that far; else zero.
-    fn needed_approach(&self, pair: &Pair) -> Result<f64, ContactError> {
+    /// Largest approach at the positions tried, m, if tip edges are not followed that far.
+    fn needed_approach(&self, pair: &Pair) -> Result<Option<f64>, ContactError> {
         let torque = Prescribed::Torque(pair.operating.maximum_torque);
-        let mut largest = 0.0f64;
+        let mut largest = None;
         for flank in loaded_flanks(pair) {
             for position in TRIED {
                 let problem = self.position(flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
                     let found = problem.contact.solution(torque, misalignment, None)?;
                     if let Some(Failure::NotFollowed { needed, .. }) = found.excess {
-                        largest = largest.max(needed);
+                        largest = Some(needed.max(largest.unwrap_or(0.0)));
                     }
                 }
             }

@@ -413,7 +413,7 @@ pub fn measure_at_run_time(
 ) -> Result<InterpolationError, TableError> {
     let mut alike = contact.clone();
     Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
-    let level = alike.flank(flank).ok_or_else(no_coast_flank)?;
+    let at_run_time = alike.flank(flank).ok_or_else(no_coast_flank)?;
     let held = coverage.draw(Random::new(SEED), points, 1);
     let nominal = Nominal::new(&contact.setup.geometry, coverage);
     measure_at(
@@ -421,7 +421,7 @@ pub fn measure_at_run_time(
         flank,
         nominal,
         |q| {
-            let found = level.potential(q.coordinates(), [0; 2], &mut Warm::default())?;
+            let found = at_run_time.potential(q.coordinates(), [0; 2], &mut Warm::default())?;
             Ok(found.gradient)
         },
         &held,

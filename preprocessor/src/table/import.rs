@@ -5,6 +5,7 @@
 //! is inverted by a monotone cubic (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246), so a line must rise strictly.
 
 use crate::storage::csv_reader;
+use gearmesh::contact::STIFFNESS_OVER_MODULUS;
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Axes, FlankGrid, TableError};
 use gearmesh::words::{rounded, shown};
@@ -47,9 +48,6 @@ pub struct Imported {
     /// Largest torque, N m on gear 1.
     pub maximum_torque: f64,
 }
-
-/// Stiffness of a tooth pair per length of contact line over Young's modulus: 14 N/(mm um) for steel (ISO 6336-1).
-const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 
 /// Samples stiffer or softer than teeth by less than this factor may be meant, if they are odd.
 const ODD: f64 = 10.0;

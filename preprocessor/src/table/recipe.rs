@@ -124,9 +124,9 @@ pub struct Made {
 pub struct Account {
     /// How well the static solves of the force went.
     pub quality: SolveQuality,
-    /// Wall clock of the sweeps of force and sliding, s.
+    /// Wall clock of the choice of the misalignments and of the sweeps of force and sliding, s.
     pub contact_seconds: f64,
-    /// That of root stress with its elastic models, s; None: the recipe has none.
+    /// That of root stress in tables with its elastic models, s; None: the recipe has none.
     pub root_stress_seconds: Option<f64>,
     /// That of tooth pairs one by one, s; None: the recipe has none.
     pub teeth_seconds: Option<f64>,
@@ -223,10 +223,10 @@ impl Recipe {
         if self.friction {
             file.friction = Some(sweeps.sliding()?);
         }
+        account.contact_seconds = begin.elapsed().as_secs_f64();
         if self.body {
             file.bodies = body_orders(pair, &models.solver)?;
         }
-        account.contact_seconds = begin.elapsed().as_secs_f64();
 
         let begin = Instant::now();
         let mut roots = vec![];
@@ -242,25 +242,25 @@ impl Recipe {
         let mut contact = None;
         if self.contact || self.teeth {
             let solver = models.solver_at_run_time();
-            let mut level = contact_file(pair, &solver)?;
-            Arc::make_mut(&mut level.setup)
+            let mut at_run_time = contact_file(pair, &solver)?;
+            Arc::make_mut(&mut at_run_time.setup)
                 .bodies
                 .clone_from(&file.bodies);
             if self.contact && self.root_stress {
-                if level.coast.is_some() && roots.len() == 1 {
+                if at_run_time.coast.is_some() && roots.len() == 1 {
                     // Teeth that differ have a coast flank of their own at run time, even where flanks are mirrored.
                     roots.push(sweeps.root_models(Flank::Coast)?);
                 }
-                add_roots(&mut level, &solver, &roots)?;
+                add_roots(&mut at_run_time, &solver, &roots)?;
             }
             if self.teeth {
                 let begin = Instant::now();
-                file.teeth = Some(sweeps.teeth(&level, self.friction)?);
+                file.teeth = Some(sweeps.teeth(&at_run_time, self.friction)?);
                 account.teeth_seconds = Some(begin.elapsed().as_secs_f64());
             }
             if self.contact {
-                level.error = Some(sweeps.error_at_run_time(&level)?);
-                contact = Some(level);
+                at_run_time.error = Some(sweeps.error_at_run_time(&at_run_time)?);
+                contact = Some(at_run_time);
             }
         }
 
@@ -349,10 +349,10 @@ fn add_roots(
     solver: &ContactSolver,
     roots: &[RootModels],
 ) -> Result<(), RecipeError> {
-    let levels = [&mut contact.drive].into_iter().chain(&mut contact.coast);
+    let condensed = [&mut contact.drive].into_iter().chain(&mut contact.coast);
     let flanks = [Flank::Drive, Flank::Coast];
-    for ((level, flank), models) in levels.zip(flanks).zip(roots) {
-        Arc::make_mut(level).roots = Some(condensed_roots(solver, flank, &models.maps)?);
+    for ((condensed, flank), models) in condensed.zip(flanks).zip(roots) {
+        Arc::make_mut(condensed).roots = Some(condensed_roots(solver, flank, &models.maps)?);
     }
     Ok(())
 }

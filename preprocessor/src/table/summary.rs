@@ -3,6 +3,7 @@
 use gearmesh::gear::BodyOrders;
 use gearmesh::table::{LoadAxes, TableFile, TeethRecord};
 use gearmesh::words::{count, fixed, rounded};
+use serde_json::Value;
 
 /// Rows of name and value: origin, size and error, ranges, settings of the solver.
 pub fn summary(file: &TableFile) -> Vec<(String, String)> {
@@ -60,8 +61,14 @@ pub fn summary(file: &TableFile) -> Vec<(String, String)> {
         let is_of_gear = name.starts_with("modifications");
         let prefix = if is_of_gear { "" } else { "solver: " };
         // Strings without the quotation marks of JSON.
-        let text = value.as_str().map(str::to_owned);
-        let text = text.unwrap_or_else(|| value.to_string());
+        let text = match value {
+            Value::String(text) => text.clone(),
+            Value::Number(number) if number.is_f64() => {
+                format!("{:.1e}", number.as_f64().unwrap_or(f64::NAN))
+            }
+            other => other.to_string(),
+        };
+        let name = name.replace("kkt_residual", "residual of the contact conditions");
         (format!("{prefix}{}", name.replace('_', " ")), text)
     });
     let rows = rows

@@ -72,8 +72,8 @@ pub struct SolveQuality {
     pub kkt_residual: f64,
 }
 
-/// A contact solver that keeps account of its solves. Beyond the misalignments of a pair it also gives what no flank bears: nodes
-/// there only say how a table goes on.
+/// A contact solver that keeps account of its solves. Beyond the misalignments of a pair it accepts pressures that no flank bears:
+/// nodes there only say how a table goes on.
 pub struct WatchedSolver<'a> {
     solver: &'a ContactSolver,
     /// rad; None: parallel axes only.

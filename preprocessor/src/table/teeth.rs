@@ -128,7 +128,7 @@ impl TeethSweep<'_> {
             shuttling: true,
             ..Effects::of_axes(&record.axes)
         };
-        let level = TeethFlank::new(record, geometry, flank, &effects)?;
+        let teeth = TeethFlank::new(record, geometry, flank, &effects)?;
         let exact = self.contact.flank(flank).ok_or_else(no_coast_flank)?;
         let rb = geometry.gears[0].base_radius();
         let nominal = Nominal::new(geometry, self.coverage);
@@ -140,8 +140,8 @@ impl TeethSweep<'_> {
         });
         let points: Vec<(f64, Query)> = points.collect();
         let errors = points.into_par_iter().map(|(torque, mut q)| {
-            q.delta = approach(&level, &q, torque / rb);
-            let found = level.evaluate(&q, [0; 2], false);
+            q.delta = approach(&teeth, &q, torque / rb);
+            let found = teeth.evaluate(&q, [0; 2], false);
             let at @ [_, c, m, p] = q.coordinates();
             let exact = exact
                 .potential(at, [0; 2], &mut Warm::default())
@@ -153,11 +153,11 @@ impl TeethSweep<'_> {
     }
 }
 
-/// Approach at which `level` carries `force` (N) at `query`: bisection, which needs no more than that the force rises.
-fn approach(level: &TeethFlank, query: &Query, force: f64) -> f64 {
+/// Approach at which `teeth` carries `force` (N) at `query`: bisection, which needs no more than that the force rises.
+fn approach(teeth: &TeethFlank, query: &Query, force: f64) -> f64 {
     bisection([-FARTHEST, FARTHEST], 50, |delta| {
         let query = Query { delta, ..*query };
-        level.evaluate(&query, [0; 2], false).gradient[0] < force
+        teeth.evaluate(&query, [0; 2], false).gradient[0] < force
     })
 }
 

@@ -28,14 +28,14 @@ const STEP: f64 = 1.0 / 64.0;
 pub(super) struct ToothPair {
     solver: ContactSolver,
     nodes: [Vec<f64>; 2],
-    levels: Vec<Level>,
+    approaches: Vec<Approaches>,
     /// First and last place of the table, base pitches; as made, the least range beyond which the pair touches nowhere.
     pub places: [f64; 2],
 }
 
 /// Approaches at a centre distance and misalignment, m.
 #[derive(Clone, Copy)]
-struct Level {
+struct Approaches {
     /// Of the first touch, at most.
     ceiling: f64,
     /// Of the table.
@@ -65,15 +65,15 @@ impl ToothPair {
                     let top = problem.solve_beyond(torque, m, None);
                     let span = top.map_err(failed(flank, [c, m, 0.0]))?.approach - low + spread;
                     let ceiling = low + CEILING * span;
-                    Ok(Level { ceiling, span })
+                    Ok(Approaches { ceiling, span })
                 })
                 .collect::<Result<Vec<_>, _>>()
         });
-        let levels = rows.collect::<Result<Vec<_>, TableError>>()?.concat();
+        let approaches = rows.collect::<Result<Vec<_>, TableError>>()?.concat();
         let mut pair = ToothPair {
             solver,
             nodes,
-            levels,
+            approaches,
             places: [0.0; 2],
         };
         pair.places = pair.outermost(flank).map_err(failed(flank, [0.0; 3]))?;
@@ -81,12 +81,12 @@ impl ToothPair {
     }
 
     /// At a node of the table.
-    fn level(&self, c: f64, m: f64) -> Level {
+    fn approaches_at(&self, c: f64, m: f64) -> Approaches {
         let [row, column] = [(&self.nodes[0], c), (&self.nodes[1], m)].map(|(nodes, x)| {
             let index = nodes.iter().position(|&node| node == x);
             index.expect("a table is solved at its nodes")
         });
-        self.levels[row * self.nodes[1].len() + column]
+        self.approaches[row * self.nodes[1].len() + column]
     }
 
     fn outermost(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
@@ -96,7 +96,7 @@ impl ToothPair {
         for c in offsets {
             let passage = self.solver.passage(c)?;
             for m in misalignments {
-                let ceiling = self.level(c, m).ceiling;
+                let ceiling = self.approaches_at(c, m).ceiling;
                 for ((end, sign), limit) in ends.iter_mut().zip([-1.0, 1.0]).zip(passage) {
                     while sign * (limit - *end) > 0.0
                         && self.solver.first_touch(flank, *end, c, m)? < ceiling
@@ -140,14 +140,15 @@ struct ToothPairPosition<'a> {
 }
 
 impl ToothPairPosition<'_> {
-    fn level(&self, misalignment: f64) -> Level {
-        self.pair.level(self.center_distance_offset, misalignment)
+    fn approaches_at(&self, misalignment: f64) -> Approaches {
+        self.pair
+            .approaches_at(self.center_distance_offset, misalignment)
     }
 }
 
 impl StaticPosition for ToothPairPosition<'_> {
     fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        let ceiling = self.level(misalignment).ceiling;
+        let ceiling = self.approaches_at(misalignment).ceiling;
         match self.is_beyond {
             true => ceiling,
             false => self.problem.no_load_approach(misalignment).min(ceiling),
@@ -177,7 +178,7 @@ impl StaticPosition for ToothPairPosition<'_> {
     }
 
     fn top(&mut self, _torque: f64, misalignment: f64) -> Result<Sample, ContactError> {
-        let top = self.no_load_approach(misalignment) + self.level(misalignment).span;
+        let top = self.no_load_approach(misalignment) + self.approaches_at(misalignment).span;
         self.solve(Prescribed::Approach(top), misalignment)
     }
 }

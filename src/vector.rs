@@ -1,7 +1,7 @@
 //! Sums over rows of a few numbers in vector registers: four lanes with AVX, else two.
 //!
 //! Both do the same operations in the same order, without fused multiply-add, so results are the same to the bit on
-//! every machine. Besides the C interface (src/fmi), this is the one file with unsafe code.
+//! every machine. Besides the C interface, this is the one file with unsafe code.
 
 use wide::f64x2;
 

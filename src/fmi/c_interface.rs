@@ -1,5 +1,4 @@
-//! The C interface of FMI 2.0, with all unsafe code but that of the floating-point mode (floats.rs) and of vector
-//! registers (src/vector.rs).
+//! The C interface of FMI 2.0, with all unsafe code but that of vector registers (src/vector.rs).
 //!
 //! Every function that takes a component runs inside `call`, which refuses null components and wrong states, turns a
 //! panic into fmi2Fatal, and reports to the host's logger. What a function does is in the standard and in
@@ -25,7 +24,6 @@ use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
-use super::floats::DefaultFloats;
 use super::header::*;
 use super::instance::Instance;
 use super::lifecycle::{Function, Interface, State};
@@ -108,6 +106,63 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("unknown cause")
+}
+
+/// The floating-point mode that compiled Rust takes for granted: round to nearest, subnormal numbers, no traps. A host may run in
+/// another one, with traps where it looks for its own divisions by zero, say; it gets its own back when this is dropped.
+struct DefaultFloats {
+    /// Control and status register of the host (MXCSR; Intel 64 manual, volume 1, section 10.2.3).
+    #[cfg(target_arch = "x86_64")]
+    host: u32,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl DefaultFloats {
+    const DEFAULT: u32 = 0x1f80;
+    /// Flags of what has happened: no part of the mode.
+    const FLAGS: u32 = 0x3f;
+
+    #[inline]
+    fn set() -> Self {
+        let mut host = 0_u32;
+        // Safety: writes the register to `host`.
+        unsafe {
+            std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut host, options(nostack, preserves_flags));
+        }
+        let own = Self { host };
+        if own.differs() {
+            Self::load(Self::DEFAULT);
+        }
+        own
+    }
+
+    fn differs(&self) -> bool {
+        self.host & !Self::FLAGS != Self::DEFAULT
+    }
+
+    fn load(register: u32) {
+        // Safety: reads the register from `register`, a valid value: the default one, or what the processor gave.
+        unsafe {
+            std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const register, options(nostack, preserves_flags, readonly));
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Drop for DefaultFloats {
+    #[inline]
+    fn drop(&mut self) {
+        if self.differs() {
+            Self::load(self.host);
+        }
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl DefaultFloats {
+    fn set() -> Self {
+        Self {}
+    }
 }
 
 /// Runs `body` for `function`, with which messages begin, on the component `c`.

@@ -7,11 +7,10 @@
 //! ```
 //!
 //! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put into the archive. In the
-//! product only [`c_interface`], with the floating-point mode, and the vector registers of the table's kernel
-//! (src/vector.rs) have unsafe code; the tests that call the interface as C does need it for that.
+//! product only [`c_interface`] and the vector registers of the table's kernel (src/vector.rs) have
+//! unsafe code; the tests that call the interface as C does need it for that.
 
 pub mod c_interface;
-mod floats;
 pub mod header;
 pub mod inputs;
 pub mod instance;

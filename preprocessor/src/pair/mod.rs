@@ -9,6 +9,7 @@ pub mod drawing;
 mod file;
 mod flanks;
 mod gears;
+mod matrix_market;
 mod mesh;
 mod misformed;
 mod modifications;

@@ -173,12 +173,15 @@ impl Steps {
     /// Changes of w F where `acting(k)` acted in the step k back, and of e, from k = `from` on.
     fn known(&self, w: f64, change: &[f64], acting: &[f64], even: usize) -> [f64; UNKNOWNS] {
         let of_force = |k: usize| w * (acting[k] - acting[k + 1]);
-        std::array::from_fn(|i| match i {
-            ORDER.. => of_force(i - ORDER),
-            // Of midpoints at odd distances nothing follows for the next one.
-            _ if even < i + 3 => 0.0,
-            _ => change[i + 1] - change[i + 2] + of_force(i + 1),
-        })
+        let mut known = [0.0; UNKNOWNS];
+        // Of midpoints at odd distances nothing follows for the next one.
+        for i in 0..ORDER.min(even.saturating_sub(2)) {
+            known[i] = change[i + 1] - change[i + 2] + of_force(i + 1);
+        }
+        for k in 0..=ORDER {
+            known[ORDER + k] = of_force(k);
+        }
+        known
     }
 }
 
@@ -199,10 +202,10 @@ fn dot(a: &[f64; UNKNOWNS], b: &[f64; UNKNOWNS]) -> f64 {
 }
 
 impl Model {
-    /// Adds a step; returns by how much the acceleration was missed. The first `size` unknowns count.
-    fn add(&mut self, row: &Row, size: usize, least: f64) -> f64 {
+    /// Adds a step; returns by how much the acceleration was missed. The first `SIZE` unknowns count.
+    fn add<const SIZE: usize>(&mut self, row: &Row, least: f64) -> f64 {
         let error = row.came[0] - dot(&self.coefficients[0], &row.known);
-        for i in 0..size {
+        for i in 0..SIZE {
             let weight = row.known[i];
             for (sum, x) in self.square[i].iter_mut().zip(&row.known) {
                 *sum = MEMORY * *sum + weight * x;
@@ -211,7 +214,7 @@ impl Model {
                 products[i] = MEMORY * products[i] + weight * came;
             }
         }
-        self.solve(size, least);
+        self.solve::<SIZE>(least);
         error
     }
 
@@ -227,12 +230,12 @@ impl Model {
     }
 
     /// By Cholesky's decomposition; `least` is a square that is added.
-    fn solve(&mut self, size: usize, least: f64) {
-        let trace: f64 = (0..size).map(|i| self.square[i][i]).sum();
-        let mean = trace / size as f64;
+    fn solve<const SIZE: usize>(&mut self, least: f64) {
+        let trace: f64 = (0..SIZE).map(|i| self.square[i][i]).sum();
+        let mean = trace / SIZE as f64;
         let mut lower = [[0.0; UNKNOWNS]; UNKNOWNS];
         let mut inverse = [0.0; UNKNOWNS];
-        for i in 0..size {
+        for i in 0..SIZE {
             let ridge = if i < ORDER { RIDGE } else { RIDGE_OF_FORCES };
             for j in 0..=i {
                 let done = lower[i].iter().zip(&lower[j]).take(j);
@@ -247,21 +250,21 @@ impl Model {
                 }
             }
         }
-        if size == UNKNOWNS {
+        if SIZE == UNKNOWNS {
             self.keep_rule();
         }
         for (k, (solution, product)) in self.coefficients.iter_mut().zip(&self.product).enumerate()
         {
             let mut x = *product;
-            if k == 1 && size == UNKNOWNS {
+            if k == 1 && SIZE == UNKNOWNS {
                 x[ORDER] -= self.rule * (RIDGE_OF_FORCES * mean + least);
             }
-            for i in 0..size {
+            for i in 0..SIZE {
                 let sum: f64 = (0..i).map(|k| lower[i][k] * x[k]).sum();
                 x[i] = (x[i] - sum) * inverse[i];
             }
-            for i in (0..size).rev() {
-                let sum: f64 = (i + 1..size).map(|k| lower[k][i] * x[k]).sum();
+            for i in (0..SIZE).rev() {
+                let sum: f64 = (i + 1..SIZE).map(|k| lower[k][i] * x[k]).sum();
                 x[i] = (x[i] - sum) * inverse[i];
             }
             *solution = x;
@@ -359,7 +362,7 @@ impl Master {
                 known,
                 came: [da + moved, dd + 0.5 * moved],
             };
-            self.models[lag.index()].add(&row, UNKNOWNS, noise)
+            self.models[lag.index()].add::<UNKNOWNS>(&row, noise)
         });
         if self.settled {
             let holds = |lag| self.told || self.moves(lag, w);
@@ -378,7 +381,7 @@ impl Master {
             known,
             came: [da, 0.0],
         };
-        let alone = self.alone.add(&row, ORDER, noise);
+        let alone = self.alone.add::<ORDER>(&row, noise);
         self.change = MEMORY * self.change + da * da;
         let floor = EXACT * (da * da + (1.0 - MEMORY) * self.change) + noise;
         let ratio = |worse: f64, better: f64| {

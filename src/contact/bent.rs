@@ -1,16 +1,16 @@
 //! Where contact lies on bent teeth.
 //!
-//! A loaded tooth bends and tilts its flank; contact moves along the profile to where the flanks are closest then. With s the place of a
-//! segment (m towards the tip of gear 1, from where the undeformed flanks come closest), F its force, A(s) the bulk matrix with loads and
+//! A loaded tooth bends and tilts its flank; contact moves along the profile to where the flanks are closest then. With xi the place of a
+//! segment (m towards the tip of gear 1, from where the undeformed flanks come closest), F its force, A(xi) the bulk matrix with loads and
 //! displacements at these places and g the gap about the closest point, the mesh has the potential
 //!
-//! Pi = delta sum c_i F_i - [1/2 F' A(s) F + sum g_i(s_i) F_i + local energy(F)],
+//! Pi = delta sum c_i F_i - [1/2 F' A(xi) F + sum g_i(xi_i) F_i + local energy(F)],
 //!
-//! which is stationary in s, too: g_i'(s_i) = tau_i, tau_i = -sum_j B_ij F_j - C_i s_i F_i the tilt of the flanks, A(s) and its slopes B and C
-//! as in [`Motion`]. So s_i is the least of the tilted gap. At a parabola of the relative radius of curvature R it is R tau. The law of local contact,
-//! which shares out what a segment bears, is that of the gap about s = 0, or about places that are known from a solution before.
+//! which is stationary in xi, too: g_i'(xi_i) = tau_i, tau_i = -sum_j B_ij F_j - C_i xi_i F_i the tilt of the flanks, A(xi) and its slopes B and C
+//! as in [`Motion`]. So xi_i is the least of the tilted gap. At a parabola of the relative radius of curvature R it is R tau. The law of local contact,
+//! which shares out what a segment bears, is that of the gap about xi = 0, or about places that are known from a solution before.
 //!
-//! Forces and M_i = s_i F_i are the conjugates of the closing and the tilt of a segment: what follows from the potential - energy, force,
+//! Forces and M_i = xi_i F_i are the conjugates of the closing and the tilt of a segment: what follows from the potential - energy, force,
 //! shuttling moment, their slopes - keeps its form.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -102,7 +102,7 @@ impl Placed {
     }
 }
 
-/// Bulk matrix A(s) and gaps at the present places.
+/// Bulk matrix A(xi) and gaps at the present places.
 #[derive(Clone, Copy)]
 pub struct System<'a> {
     /// A, m/N, of contact that stays.
@@ -114,7 +114,7 @@ pub struct System<'a> {
 }
 
 impl System<'_> {
-    /// Displacements A(s) F under the forces `forces` (N), m.
+    /// Displacements A(xi) F under the forces `forces` (N), m.
     pub fn displaced(&self, forces: &DVector<f64>) -> DVector<f64> {
         let mut displaced = self.bulk * forces;
         if let Some((Motion { tilt, bend, .. }, places)) = self.moved {
@@ -126,7 +126,7 @@ impl System<'_> {
         displaced
     }
 
-    /// A(s) of the segments `active`, lower triangle.
+    /// A(xi) of the segments `active`, lower triangle.
     pub fn of_active(&self, active: &[usize]) -> DMatrix<f64> {
         let n = active.len();
         let mut matrix = DMatrix::zeros(n, n);
@@ -148,9 +148,9 @@ impl System<'_> {
 /// The linear response about a solution whose segments may move.
 #[derive(Debug, Clone)]
 pub struct Response {
-    /// B over the segments in contact, with C s on the diagonal.
+    /// B over the segments in contact, with C xi on the diagonal.
     tilt: DMatrix<f64>,
-    /// R F / (1 + R F C), N m: by how much F s of a segment changes per tilt by others.
+    /// R F / (1 + R F C), N m: by how much F xi of a segment changes per tilt by others.
     mobility: DVector<f64>,
 }
 
@@ -178,7 +178,7 @@ impl Response {
     }
 
     /// Forces by which the closings of the segments in contact grow by `closing`, `factor` that of D + A at places that stay. With N the change of
-    /// F s but for that of F, the system
+    /// F xi but for that of F, the system
     ///
     /// ```text
     /// [ D + A    B'         ] [ F ]   [ closing ]

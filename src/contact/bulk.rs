@@ -16,7 +16,7 @@ pub struct Influence {
 }
 
 /// Change of the bulk matrix A with the places s of contact along the profile (m towards the tip of gear 1, from where the undeformed flanks
-/// come closest): A_ij + s_i B_ij + s_j B_ji, and s_i² C_i more on the diagonal.
+/// come closest): A_ij + xi_i B_ij + xi_j B_ji, and xi_i² C_i more on the diagonal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// B: by how much flank i is tilted per force on segment j, 1/N, positive where it opens towards the tip of gear 1.

@@ -48,7 +48,7 @@ pub use root_stress::{COMPONENTS, CondensedRoots, Fillet, ROLLS, RootField, Root
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
 pub use segment::Segment;
 pub use setup::{ContactSettings, ContactSetup, STIFFNESS_OVER_MODULUS};
-pub use transverse::{PairNumbers, TransverseSection};
+pub use transverse::TransverseSection;
 
 #[cfg(test)]
 mod tests;

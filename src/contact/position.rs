@@ -8,10 +8,10 @@ use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Problem, Solution, Start, Target};
 use super::error::{ContactError, Failure, Prescribed, finite};
 use super::gap::GapProfile;
-use super::local_law::{LocalContact, POINTS};
+use super::local_law::{LocalBody, LocalContact, POINTS};
 use super::setup::STIFFNESS_OVER_MODULUS;
-use super::transverse::PairNumbers;
 use crate::friction::{Sliding, SlidingSums};
+use crate::gear::PairNumbers;
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct ContactProblem {
@@ -25,6 +25,8 @@ pub struct ContactProblem {
     pub arm: DVector<f64>,
     /// Those of the pair.
     pub numbers: PairNumbers,
+    /// How gear 1 and gear 2 give way close to the contact.
+    pub bodies: [LocalBody; 2],
     /// Deviation from the nominal centre distance, m.
     pub center_distance_offset: f64,
     /// Approach up to which tip edges were followed, m; None: not at all.
@@ -51,9 +53,10 @@ pub struct Tangent {
 }
 
 impl ContactProblem {
-    /// The problem of `candidates` on `lines`, which give way to each other by `influence`.
+    /// The problem of `candidates` on `lines` of the gears `bodies`, which give way to each other by `influence`.
     pub fn new(
         lines: &ContactLines<'_>,
+        bodies: [LocalBody; 2],
         candidates: Vec<Candidate>,
         influence: Influence,
     ) -> ContactProblem {
@@ -66,6 +69,7 @@ impl ContactProblem {
             candidates,
             influence,
             numbers: *numbers,
+            bodies,
             center_distance_offset: lines.center_distance_offset,
             followed_approach: (setup.settings.tip_corner_contact)
                 .then_some(setup.followed_approach),
@@ -87,7 +91,7 @@ impl ContactProblem {
         lengths: [f64; 2],
     ) -> LocalContact {
         let length = segment.length(self.numbers.cos_beta_b) / POINTS as f64;
-        LocalContact::new(&self.numbers.bodies, lengths, profile, length)
+        LocalContact::new(&self.bodies, lengths, profile, length)
     }
 
     /// Whether contact moves along the profile.

@@ -17,12 +17,12 @@ use super::candidates::{Candidate, ContactLines};
 use super::complementarity::{Solution, Start};
 use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
+use super::local_law::LocalBody;
 use super::position::{ContactProblem, Tangent};
 use super::setup::ContactSetup;
-use super::transverse::PairNumbers;
 use crate::friction::{Sliding, SlidingSums};
-use crate::gear::Flank;
 use crate::gear::teeth::{Counts, Passing};
+use crate::gear::{Flank, PairNumbers};
 
 /// Potential of one flank.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,6 +48,7 @@ pub struct ContactPotential {
 pub struct RuntimeContact {
     setup: Arc<ContactSetup>,
     numbers: PairNumbers,
+    bodies: [LocalBody; 2],
     condensed: Arc<CondensedFlank>,
     flank: Flank,
     /// `None`: all teeth are alike.
@@ -116,7 +117,8 @@ impl RuntimeContact {
     /// The contact of `flank`, whose condensed model is `condensed`.
     pub fn new(setup: Arc<ContactSetup>, condensed: Arc<CondensedFlank>, flank: Flank) -> Self {
         RuntimeContact {
-            numbers: PairNumbers::new(&setup.geometry, setup.corner_resolution),
+            numbers: PairNumbers::new(&setup.geometry),
+            bodies: setup.local_bodies(),
             teeth: Passing::new(&setup.geometry, &setup.teeth, flank).map(Arc::new),
             setup,
             condensed,
@@ -300,6 +302,6 @@ impl RuntimeContact {
             candidates.retain(|_| held.next() == Some(true));
             known = influence(&candidates);
         }
-        ContactProblem::new(lines, candidates, known)
+        ContactProblem::new(lines, self.bodies, candidates, known)
     }
 }

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::ContactError;
-use super::transverse::{PairNumbers, TransverseSection};
+use super::local_law::LocalBody;
+use super::transverse::TransverseSection;
 use crate::friction::FrictionLaw;
-use crate::gear::{BodyOrders, PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::gear::{BodyOrders, PairGeometry, PairMicrogeometry, PairNumbers, PairTeeth};
 
 /// Stations along the face of a pair whose contacts are narrow.
 const MOST_STATIONS: usize = 40;
@@ -90,7 +91,7 @@ impl ContactSetup {
     /// The first such field, as text.
     pub(super) fn check(&self) -> Result<(), String> {
         (self.geometry.check()).map_err(|error| error.to_string())?;
-        let numbers = PairNumbers::new(&self.geometry, self.corner_resolution);
+        let numbers = PairNumbers::new(&self.geometry);
         let section = (self.section(&numbers, 0.0)).map_err(|error| error.to_string())?;
         let [first, last] = section.passage();
         let (pairs, stations) = (last.ceil() - first.floor(), self.settings.stations);
@@ -111,6 +112,11 @@ impl ContactSetup {
             }
         }
         Ok(())
+    }
+
+    /// How gear 1 and gear 2 give way close to the contact.
+    pub fn local_bodies(&self) -> [LocalBody; 2] {
+        [0, 1].map(|i| LocalBody::new(&self.geometry.gears[i], self.corner_resolution[i]))
     }
 
     /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance.

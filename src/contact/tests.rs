@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_abs_diff_eq;
 
-use super::transverse::{
-    LEAST_CURVATURE, MatingFlanks, PairNumbers, TransversePoint, TransverseSection,
+use super::transverse::{LEAST_CURVATURE, MatingFlanks, TransversePoint, TransverseSection};
+use crate::gear::{
+    Gear, PairGeometry, PairMicrogeometry, PairNumbers, ProfileRelief, ReliefShape, Topography,
 };
-use crate::gear::{Gear, PairGeometry, PairMicrogeometry, ProfileRelief, ReliefShape, Topography};
 use crate::table::TableFile;
 
 /// A shipped pair without modifications.
@@ -38,7 +38,7 @@ fn form_rolls(g: &PairGeometry) -> [f64; 2] {
 
 /// Its transverse section, tip corners followed up to the separation `limit` (m).
 fn section(g: &PairGeometry, limit: f64) -> TransverseSection {
-    let numbers = PairNumbers::new(g, [0.0; 2]);
+    let numbers = PairNumbers::new(g);
     TransverseSection::new(&numbers, g.center_distance, form_rolls(g), Some(limit)).unwrap()
 }
 

@@ -1,97 +1,11 @@
 //! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends, and where modified flanks come
 //! closest there.
 
-use std::f64::consts::FRAC_PI_2;
-
 use super::gap::{Breakpoint, GapProfile};
-use super::local_law::{Corner, LocalBody};
-use super::segment::Segment;
-use crate::gear::{Gear, Microgeometry, PairGeometry};
+use crate::gear::{Microgeometry, PairGeometry, PairNumbers};
 use crate::root::bisection;
 
 const HALVINGS: usize = 30;
-
-/// The numbers that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through several angles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PairNumbers {
-    /// Of gear 1 and gear 2, m, as all pairs below.
-    pub base_radius: [f64; 2],
-    /// +1 external gear, -1 ring.
-    pub kappa: [f64; 2],
-    /// +1 external, -1 internal pair.
-    pub e: f64,
-    /// Growth of the lengths of roll with the conjugate position: q = kappa_1 for gear 1 and -kappa_2 for gear 2.
-    pub q: [f64; 2],
-    /// abs(rb1 + e rb2), m.
-    pub base_radius_sum: f64,
-    /// Transverse base pitch, m.
-    pub base_pitch: f64,
-    /// Of the base helix angle, >= 0.
-    pub tan_beta_b: f64,
-    /// Of the base helix angle.
-    pub cos_beta_b: f64,
-    /// +1 right-handed helix of gear 1, -1 left-handed.
-    pub hand: f64,
-    /// Mid-face of the overlap in gear 1's frame, m.
-    pub z_ref: f64,
-    /// The overlap of both faces in gear 1's frame: lower end and width, m.
-    pub face: [f64; 2],
-    /// Lengths of roll at the ends of the involutes at the tips, m.
-    pub tip_roll: [f64; 2],
-    /// z of the z = 0 face of each gear in gear 1's frame, m.
-    pub face_offset: [f64; 2],
-    /// How both gears give way close to the contact.
-    pub bodies: [LocalBody; 2],
-}
-
-impl PairNumbers {
-    /// Those of `geometry`, with tip corners that elastic models resolve down to the distances `corner_resolution` (m) from the
-    /// edge; zero: none.
-    pub fn new(geometry: &PairGeometry, corner_resolution: [f64; 2]) -> PairNumbers {
-        let each = |number: fn(&Gear) -> f64| geometry.gears.each_ref().map(number);
-        let (low, width) = geometry.face_overlap();
-        let bodies = [0, 1].map(|i| {
-            let gear = &geometry.gears[i];
-            let plane_compliance = gear.plane_compliance();
-            let angle = FRAC_PI_2 + (gear.tip_form_roll() / gear.base_radius()).atan();
-            LocalBody {
-                plane_compliance,
-                corner: Corner::new(angle, plane_compliance, corner_resolution[i]),
-            }
-        });
-        PairNumbers {
-            base_radius: each(|g| g.base_radius()),
-            kappa: each(|g| g.kappa()),
-            e: geometry.e(),
-            q: [geometry.gears[0].kappa(), -geometry.gears[1].kappa()],
-            base_radius_sum: geometry.base_radius_sum(),
-            base_pitch: geometry.base_pitch(),
-            tan_beta_b: geometry.base_helix_angle().tan(),
-            cos_beta_b: geometry.base_helix_angle().cos(),
-            hand: geometry.gears[0].hand,
-            z_ref: geometry.z_ref(),
-            face: [low, width],
-            tip_roll: each(|g| g.tip_form_roll()),
-            face_offset: each(|g| g.face_offset),
-            bodies,
-        }
-    }
-
-    /// The length of roll (m) on gear `i` where the flanks are touched `by` (m) nearer to the tip of gear 1 than at the length `roll`.
-    pub fn moved_roll(&self, i: usize, roll: f64, by: f64) -> f64 {
-        // Arcs of an involute are roll² / (2 rb).
-        let square = roll * roll + 2.0 * self.base_radius[i] * self.q[i] * by;
-        square.max(0.0).sqrt()
-    }
-
-    /// A segment that both gears see as `seen` where contact has moved `by` (m) towards the tip of gear 1.
-    pub fn moved(&self, seen: &[Segment; 2], by: f64) -> [Segment; 2] {
-        [0, 1].map(|i| Segment {
-            roll: seen[i].roll.map(|roll| self.moved_roll(i, roll, by)),
-            ..seen[i]
-        })
-    }
-}
 
 /// A point that may touch: lengths of roll on both gears and what separates the flanks there.
 #[derive(Debug, Clone, Copy, PartialEq)]

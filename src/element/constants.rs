@@ -2,7 +2,7 @@
 
 use super::motion::ElementError;
 use super::parameters::Parameters;
-use crate::gear::{Flank, PairGeometry, involute};
+use crate::gear::{Flank, PairGeometry, PairNumbers, involute};
 use crate::root::bisection;
 use crate::words::{fixed, number};
 
@@ -14,14 +14,14 @@ pub(crate) struct Constants {
     pub sc: f64,
     /// Teeth.
     pub z: [f64; 2],
-    pub rb: [f64; 2],
+    pub base_radius: [f64; 2],
     pub kappa: [f64; 2],
     /// h: hand of gear 1 (gear 2 has -e h).
     pub hand: f64,
     /// Pitch point over O1 -> O2: z1 / (z1 + e z2).
     pub pitch_fraction: f64,
     /// abs(rb1 + e rb2), m.
-    pub base_sum: f64,
+    pub base_radius_sum: f64,
     /// Nominal centre distance, m.
     pub center_distance: f64,
     /// cos phi at the nominal centre distance.
@@ -42,7 +42,7 @@ pub(crate) struct Constants {
     pub face_width: [f64; 2],
     /// theta_p1 = 2 pi / z1, rad.
     pub pitch_angle: f64,
-    /// Penetration on the line of action per tooth angle, m/rad: rb1 / z1 = base_sum / tooth_sum.
+    /// Penetration on the line of action per tooth angle, m/rad: rb1 / z1 = base_radius_sum / tooth_sum.
     pub per_tooth_angle: f64,
     /// One base pitch, m.
     pub base_pitch: f64,
@@ -65,11 +65,11 @@ pub(crate) const FLANKS: [Flank; 2] = [Flank::Drive, Flank::Coast];
 impl Constants {
     pub(crate) fn new(pair: &PairGeometry, parameters: &Parameters) -> Result<Self, ElementError> {
         let g = &pair.gears;
-        let e = pair.e();
-        let c = pair.center_distance;
+        let numbers = PairNumbers::new(pair);
+        let (e, c) = (numbers.e, pair.center_distance);
         let phi = pair.operating_pressure_angle(c);
         if phi.is_nan() {
-            return Err(no_line_of_action(c, pair.base_radius_sum(), c));
+            return Err(no_line_of_action(c, numbers.base_radius_sum, c));
         }
         let [z1, z2] = [g[0].z(), g[1].z()];
         let tooth_sum = z1 + e * z2;
@@ -77,7 +77,7 @@ impl Constants {
         let backlash = parameters
             .backlash
             .map_or(nominal_backlash, |j| j * phi.cos());
-        let half_pitch = 0.5 * pair.base_pitch();
+        let half_pitch = 0.5 * numbers.base_pitch;
         if backlash >= half_pitch {
             let value = format!("{} m", number(backlash / phi.cos()));
             let remedy = "give a backlash in metres, well below half a pitch";
@@ -92,12 +92,10 @@ impl Constants {
         let half_gap =
             turn_to_gap - half_pitches * half_pitch + 0.5 * (backlash - nominal_backlash);
         let pitch_angle = std::f64::consts::TAU / z1;
-        let (low, width) = pair.face_overlap();
-        let tan_beta_b = pair.base_helix_angle().tan();
-        let z_ref = pair.z_ref();
+        let [low, width] = numbers.face;
         // The flank of gear 1 stands at theta = eta + h z tan(beta_b)/rb - s kappa inv(rho) in its
         // body; PMC = 0 where that is the direction of the pitch point at mid-face.
-        let helix_turn = g[0].hand * z_ref * tan_beta_b / g[0].base_radius();
+        let helix_turn = numbers.hand * numbers.z_ref * numbers.tan_beta_b / numbers.base_radius[0];
         let half_tooth = g[0].kappa() * (g[0].half_base_angle() - involute(phi));
         let mesh_zero = FLANKS
             .map(|f| (f.sign() * (helix_turn - behind(z1 / tooth_sum)) + half_tooth) / pitch_angle);
@@ -105,24 +103,24 @@ impl Constants {
             e,
             sc: pair.sc(),
             z: [z1, z2],
-            rb: [g[0].base_radius(), g[1].base_radius()],
-            kappa: [g[0].kappa(), g[1].kappa()],
-            hand: g[0].hand,
+            base_radius: numbers.base_radius,
+            kappa: numbers.kappa,
+            hand: numbers.hand,
             pitch_fraction: z1 / tooth_sum,
-            base_sum: pair.base_radius_sum(),
+            base_radius_sum: numbers.base_radius_sum,
             center_distance: c,
             cos_phi: phi.cos(),
-            tan_beta_b,
-            per_cos_beta_b: 1.0 / pair.base_helix_angle().cos(),
+            tan_beta_b: numbers.tan_beta_b,
+            per_cos_beta_b: 1.0 / numbers.cos_beta_b,
             tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
-            z_ref,
-            face_offset: g[1].face_offset,
+            z_ref: numbers.z_ref,
+            face_offset: numbers.face_offset[1],
             common_face: [low, low + width],
             radial_engagement: RadialEngagement::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,
             per_tooth_angle: g[0].base_radius() / z1,
-            base_pitch: pair.base_pitch(),
+            base_pitch: numbers.base_pitch,
             half_gap,
             tooth_zero: half_pitches * std::f64::consts::PI,
             backlash: backlash / phi.cos(),
@@ -136,15 +134,20 @@ impl Constants {
     /// teeth have already left each other.
     #[inline(always)]
     pub(crate) fn has_line_of_action(&self, c: f64) -> Result<bool, ElementError> {
-        if c > self.base_sum {
+        if c > self.base_radius_sum {
             return Ok(true);
         }
-        let apart = self.e < 0.0 && self.radial_engagement.none > self.base_sum * (1.0 + 1e-6);
+        let apart =
+            self.e < 0.0 && self.radial_engagement.none > self.base_radius_sum * (1.0 + 1e-6);
         // The direction O1 -> O2 must be more than rounding.
         if apart && c > 1e-6 * self.center_distance {
             return Ok(false);
         }
-        Err(no_line_of_action(c, self.base_sum, self.center_distance))
+        Err(no_line_of_action(
+            c,
+            self.base_radius_sum,
+            self.center_distance,
+        ))
     }
 }
 

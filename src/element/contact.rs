@@ -107,7 +107,7 @@ impl Element {
 
     /// What else helps teeth that stand where the body frames say and overlap on the line of action, by `x` (m) in the turn of gear 1.
     pub(super) fn phase_remedy(&self, x: f64) -> String {
-        let turn = -x / self.constants.rb[0];
+        let turn = -x / self.constants.base_radius[0];
         match self.parameters.phase_reference {
             PhaseReference::FromInitialPose => String::new(),
             PhaseReference::Absolute => {
@@ -290,7 +290,7 @@ impl<'e, T: Scalar> Mating<'e, T> {
             el,
             rates: pose.map.rates(&twist),
             twist,
-            cos_phi: q.center_distance.recip() * k.base_sum,
+            cos_phi: q.center_distance.recip() * k.base_radius_sum,
             flanks,
             secondary: [None; 2],
             slopes: Coordinates::default(),
@@ -425,7 +425,7 @@ impl<'e, T: Scalar> Mating<'e, T> {
             Some(carried) => carried.contact(k, shown.arm),
         };
         let rate = self.rates.turn * reference.sign - self.rates.half_gap;
-        let per_base_sum = reference.sign / k.base_sum;
+        let per_base_sum = reference.sign / k.base_radius_sum;
         let [drive, coast] = flanks;
         let force = drive.force() + coast.force();
         Outputs {

@@ -161,7 +161,7 @@ impl<T: Scalar> Map<T> {
         let fraction = k.pitch_fraction;
         let d = -bx * bx + 1.0;
         let per_d = d.recip();
-        let cos_phi = per_c * k.base_sum;
+        let cos_phi = per_c * k.base_radius_sum;
         let square = cos_phi * cos_phi;
         let sin_phi = (-square + 1.0).sqrt();
         // rho_2 sin(phi_2) over |1 - f| C. Tilt shortens rho_2 by its square; at C = |rb1 + e rb2| that can
@@ -198,7 +198,7 @@ impl<T: Scalar> Map<T> {
             sin_phi,
             spin: [by * per_d, bz * per_d],
             pitch_fraction: fraction,
-            radii: [k.rb[0], k.e * k.rb[1]],
+            radii: [k.base_radius[0], k.e * k.base_radius[1]],
             helix: k.hand * tan_beta_b,
             half_gap,
             even: [bx * square * per_c / sin_phi * -k.e, sin_phi * -k.e],
@@ -234,8 +234,8 @@ impl<T: Scalar> Map<T> {
                 1.0.into(),
             ],
         );
-        let gap = (tan1 - phi1.re()) * (k.kappa[0] * k.rb[0])
-            + (tan2 - phi2.re()) * (k.kappa[1] * k.rb[1])
+        let gap = (tan1 - phi1.re()) * (k.kappa[0] * k.base_radius[0])
+            + (tan2 - phi2.re()) * (k.kappa[1] * k.base_radius[1])
             + k.half_gap;
         Coordinates {
             turn: (theta1 * k.z[0] + theta2 * (k.e * k.z[1]) - k.tooth_zero) * -k.per_tooth_angle

@@ -208,7 +208,7 @@ impl Element {
 
     /// Line-of-action length per tangential length at `center_distance` (m): cos phi.
     pub fn line_of_action(&self, center_distance: f64) -> f64 {
-        self.constants.base_sum / center_distance
+        self.constants.base_radius_sum / center_distance
     }
 
     /// A valid mesh at rest: gear 1 and the carrier at the origin, gear 2 at the nominal centre

@@ -76,7 +76,7 @@ impl<T: Scalar> Carried<T> {
         // Tooth angle of the `absolute` reference at theta1 = theta2 = gamma, mid-face, nominal faces.
         let w = k.pitch_fraction;
         let tooth_angle_zero = k.tooth_zero - k.z[0] * behind(w) - k.e * k.z[1] * behind(w - 1.0)
-            + k.hand * k.face_offset * k.tan_beta_b * k.z[0] / k.rb[0];
+            + k.hand * k.face_offset * k.tan_beta_b * k.z[0] / k.base_radius[0];
         Ok(Self {
             axes,
             tilt: a1 - a2,
@@ -95,7 +95,7 @@ impl<T: Scalar> Carried<T> {
     /// cos and sin of the operating pressure angle, (15).
     #[inline(always)]
     fn pressure_angle(&self, k: &Constants) -> (T, T) {
-        let cosine = self.c.recip() * k.base_sum;
+        let cosine = self.c.recip() * k.base_radius_sum;
         (cosine, (-cosine * cosine + 1.0).sqrt())
     }
 
@@ -105,7 +105,7 @@ impl<T: Scalar> Carried<T> {
         let (cos_phi, sin_phi) = self.pressure_angle(k);
         Coordinates {
             turn: self.tooth_angle * k.per_tooth_angle,
-            half_gap: T::from(0.5 * k.backlash * k.base_sum / k.center_distance),
+            half_gap: T::from(0.5 * k.backlash * k.base_radius_sum / k.center_distance),
             center_distance: self.c,
             misalignment: [
                 dot(&self.xh, &self.tilt) * sin_phi * k.e,

@@ -393,7 +393,7 @@ impl Element {
         let turn = Rotation3::new(turning * time);
         there.gears[1].p = there.gears[0].p + turn * (p + (v - turning.cross(&p)) * time);
         there.gears[1].v = gear1.v + turn * v;
-        let per_radius = 1.0 / self.constants.rb[0];
+        let per_radius = 1.0 / self.constants.base_radius[0];
         let gear = &mut there.gears[0];
         let axis = gear.r.column(2).into_owned();
         gear.r = Rotation3::new(axis * (y * per_radius)).matrix() * gear.r;

@@ -56,7 +56,7 @@ impl Element {
         let k = &self.constants;
         let largest_rigid = START_FORCE * k.nominal_force;
         let largest = self.table().map_or(largest_rigid, |table| {
-            table.file.maximum_torque_nm / k.rb[0]
+            table.file.maximum_torque_nm / k.base_radius[0]
         });
         let rigid = self.rigid_jam(&outputs);
         for (force, largest) in [(pressed, largest), (rigid, largest_rigid)] {

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::{FrictionLaw, SegmentContact};
-use crate::gear::{Gear, PairGeometry};
+use crate::gear::{Gear, PairGeometry, PairNumbers};
 
 /// Over the base pitch: distance from the pitch point within which the direction of friction turns,
 /// s / sqrt(s² + this²). Of the order of the width of contact, within which flanks neither roll nor slide.
@@ -48,9 +48,7 @@ impl Sliding {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlidingSums {
     law: FrictionLaw,
-    base_radius: [f64; 2],
-    kappa: [f64; 2],
-    cos_beta_b: f64,
+    numbers: PairNumbers,
     /// (1 - nu1²)/E1 + (1 - nu2²)/E2, 1/Pa.
     plane_compliance: f64,
     /// Distance from the pitch point over the difference of both angles of roll, m.
@@ -63,17 +61,15 @@ pub struct SlidingSums {
 impl SlidingSums {
     /// Those of `pair`, weighted by `law`.
     pub fn new(pair: &PairGeometry, law: &FrictionLaw) -> SlidingSums {
-        let g = &pair.gears;
-        let base_radius = g.each_ref().map(|g| g.base_radius());
+        let numbers = PairNumbers::new(pair);
+        let [first, second] = numbers.base_radius;
         SlidingSums {
             law: *law,
-            base_radius,
-            kappa: g.each_ref().map(|g| g.kappa()),
-            cos_beta_b: pair.base_helix_angle().cos(),
-            plane_compliance: g.iter().map(Gear::plane_compliance).sum(),
-            per_roll_angle: g[0].kappa() / (1.0 / base_radius[0] + pair.e() / base_radius[1]),
-            rolling_per_angle: base_radius[0] / pair.rolling_speed_per_spin(pair.center_distance),
-            transition: TRANSITION_OVER_PITCH * pair.base_pitch(),
+            plane_compliance: pair.gears.iter().map(Gear::plane_compliance).sum(),
+            per_roll_angle: numbers.kappa[0] / (1.0 / first + numbers.e / second),
+            rolling_per_angle: first / pair.rolling_speed_per_spin(pair.center_distance),
+            transition: TRANSITION_OVER_PITCH * numbers.base_pitch,
+            numbers,
         }
     }
 
@@ -83,12 +79,12 @@ impl SlidingSums {
     /// The distance from the pitch point follows from the lengths of roll, so that it is that of the flank and the tip edge where
     /// contact has left the path.
     pub fn add(&self, sum: &mut Sliding, share: f64, roll: [f64; 2], lever: f64, line_load: f64) {
-        let angles = [0, 1].map(|i| roll[i] / self.base_radius[i]);
+        let angles = [0, 1].map(|i| roll[i] / self.numbers.base_radius[i]);
         let weight = if self.law.is_local() {
-            let curvature: f64 = (0..2).map(|i| self.kappa[i] / roll[i]).sum();
+            let curvature: f64 = (0..2).map(|i| self.numbers.kappa[i] / roll[i]).sum();
             self.law.weight(&SegmentContact {
                 line_load,
-                radius: (self.cos_beta_b * curvature).recip(),
+                radius: (self.numbers.cos_beta_b * curvature).recip(),
                 plane_compliance: self.plane_compliance,
                 rolling: angles.map(|angle| self.rolling_per_angle * angle),
             })

@@ -61,9 +61,11 @@ impl Microgeometry {
     /// [`Microgeometry::removal`] less [`Microgeometry::lead`], and its derivatives by the length of roll.
     #[inline]
     pub fn profile(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
-        let none = ProfilePiece::default();
-        let reliefs = self.reliefs().fold(none, |sum, r| sum.and(r.piece(roll)));
-        self.add_smooth(reliefs, gear, roll, z)
+        let mut piece = ProfilePiece::default();
+        for relief in [&self.tip_relief, &self.root_relief].into_iter().flatten() {
+            piece = piece.and(relief.piece(roll));
+        }
+        self.add_smooth(piece, gear, roll, z)
     }
 
     /// What modifies the whole profile, on top of `piece`.

@@ -19,6 +19,6 @@ pub use microgeometry::{
     EndRelief, Microgeometry, PairMicrogeometry, ProfileCrowning, ProfileRelief, ProfileSlope,
     ReliefShape,
 };
-pub use pair_geometry::{BothFlanks, Flank, PairGeometry, PathOfContact};
+pub use pair_geometry::{BothFlanks, Flank, PairGeometry, PairNumbers, PathOfContact};
 pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth, first_teeth};
 pub use topography::{ProfilePiece, Topography, TopographyError};

@@ -257,5 +257,61 @@ impl PairGeometry {
     }
 }
 
+/// The numbers of a pair that are needed again and again, worked out once: in [`PairGeometry`] they follow from the nominal data
+/// through several angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairNumbers {
+    /// Of gear 1 and gear 2, m, as all pairs below.
+    pub base_radius: [f64; 2],
+    /// +1 external gear, -1 ring.
+    pub kappa: [f64; 2],
+    /// +1 external, -1 internal pair.
+    pub e: f64,
+    /// Growth of the lengths of roll with the conjugate position: q = kappa_1 for gear 1 and -kappa_2 for gear 2.
+    pub q: [f64; 2],
+    /// abs(rb1 + e rb2), m.
+    pub base_radius_sum: f64,
+    /// Transverse base pitch, m.
+    pub base_pitch: f64,
+    /// Of the base helix angle, >= 0.
+    pub tan_beta_b: f64,
+    /// Of the base helix angle.
+    pub cos_beta_b: f64,
+    /// +1 right-handed helix of gear 1, -1 left-handed.
+    pub hand: f64,
+    /// Mid-face of the overlap in gear 1's frame, m.
+    pub z_ref: f64,
+    /// The overlap of both faces in gear 1's frame: lower end and width, m.
+    pub face: [f64; 2],
+    /// Lengths of roll at the ends of the involutes at the tips, m.
+    pub tip_roll: [f64; 2],
+    /// z of the z = 0 face of each gear in gear 1's frame, m.
+    pub face_offset: [f64; 2],
+}
+
+impl PairNumbers {
+    /// Those of `pair`.
+    pub fn new(pair: &PairGeometry) -> PairNumbers {
+        let each = |number: fn(&Gear) -> f64| pair.gears.each_ref().map(number);
+        let (low, width) = pair.face_overlap();
+        let kappa = each(Gear::kappa);
+        PairNumbers {
+            base_radius: each(Gear::base_radius),
+            kappa,
+            e: pair.e(),
+            q: [kappa[0], -kappa[1]],
+            base_radius_sum: pair.base_radius_sum(),
+            base_pitch: pair.base_pitch(),
+            tan_beta_b: pair.base_helix_angle().tan(),
+            cos_beta_b: pair.base_helix_angle().cos(),
+            hand: pair.gears[0].hand,
+            z_ref: pair.z_ref(),
+            face: [low, width],
+            tip_roll: each(Gear::tip_form_roll),
+            face_offset: each(|gear| gear.face_offset),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -53,7 +53,8 @@ pub fn influence(
 ) -> Result<Influence, BeyondModel> {
     let (numbers, reference) = (&lines.section.numbers, lines.setup.reference_length);
     let n = candidates.len();
-    let c = (numbers.bodies).map(|body| 2.0 * body.plane_compliance / std::f64::consts::PI);
+    let gears = lines.setup.geometry.gears.each_ref();
+    let c = gears.map(|gear| 2.0 * gear.plane_compliance() / std::f64::consts::PI);
     let pieces = candidates.iter().map(|candidate| Piece {
         line: candidate.tooth_pair,
         at: candidate.middle() / numbers.cos_beta_b,

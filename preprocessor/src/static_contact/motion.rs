@@ -9,6 +9,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use gearmesh::contact::{Candidate, ContactLines, ContactSetup, Motion, Segment};
+use gearmesh::gear::PairNumbers;
 
 use crate::compliance::{BeyondModel, Load, ToothCompliance, lower_triangle};
 
@@ -109,7 +110,7 @@ impl<'a> Beside<'a> {
                     at: mean(pieces[members.clone()].iter().map(|piece| piece.at)),
                     length: pieces[members.clone()].iter().map(|p| p.length).sum(),
                     middle,
-                    moved: [step, -step].map(|by| numbers.moved(&whole, middle + by)),
+                    moved: [step, -step].map(|by| moved_segments(numbers, &whole, middle + by)),
                     members,
                 });
             }
@@ -264,6 +265,21 @@ fn joined(a: &[Segment; 2], b: &[Segment; 2]) -> [Segment; 2] {
             z: [low.z[0], high.z[1]],
             roll: [low.roll[0], high.roll[1]],
         }
+    })
+}
+
+/// The length of roll (m) on gear `i` where the flanks are touched `by` (m) nearer to the tip of gear 1 than at the length `roll`.
+pub fn moved_roll(pair: &PairNumbers, i: usize, roll: f64, by: f64) -> f64 {
+    // Arcs of an involute are roll² / (2 rb).
+    let square = roll * roll + 2.0 * pair.base_radius[i] * pair.q[i] * by;
+    square.max(0.0).sqrt()
+}
+
+/// A segment, seen by both gears as `seen`, where contact has moved `by` (m) towards the tip of gear 1.
+pub fn moved_segments(pair: &PairNumbers, seen: &[Segment; 2], by: f64) -> [Segment; 2] {
+    [0, 1].map(|i| Segment {
+        roll: seen[i].roll.map(|roll| moved_roll(pair, i, roll, by)),
+        ..seen[i]
     })
 }
 

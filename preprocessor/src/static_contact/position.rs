@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::error::ContactError;
+use super::motion::{moved_roll, moved_segments};
 use gearmesh::contact::{
     Candidate, ContactProblem, Failure, Influence, LocalContact, Prescribed, Segment, Solution,
     Start, Tangent, finite,
@@ -390,8 +391,8 @@ impl PositionProblem {
             let by = placed.places[i];
             if solution.force[i] > 0.0 {
                 let numbers = &self.contact.numbers;
-                candidate.roll = [0, 1].map(|g| numbers.moved_roll(g, candidate.roll[g], by));
-                moved.seen[i] = numbers.moved(&self.seen[i], by);
+                candidate.roll = [0, 1].map(|g| moved_roll(numbers, g, candidate.roll[g], by));
+                moved.seen[i] = moved_segments(numbers, &self.seen[i], by);
                 moved.contact.local[i] = self.tilted(i, &self.contact.local[i], placed.tilts[i]);
                 candidate.profile = *moved.contact.local[i].profile();
             }

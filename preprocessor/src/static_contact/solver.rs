@@ -10,11 +10,11 @@ use crate::compliance::{BeyondModel, ToothCompliance};
 use crate::gear::{Pair, Refinement, ToothProfile, body};
 use gearmesh::contact::{
     Candidate, CondensedFlank, CondensedNode, ContactLines, ContactProblem, ContactSettings,
-    ContactSetup, Failure, Influence, PairNumbers, Prescribed, STIFFNESS_OVER_MODULUS, Segment,
-    along_segment, finite,
+    ContactSetup, Failure, Influence, Prescribed, STIFFNESS_OVER_MODULUS, Segment, along_segment,
+    finite,
 };
 use gearmesh::friction::{FrictionLaw, Sliding, SlidingSums};
-use gearmesh::gear::{Flank, PairGeometry, PairTeeth, first_teeth};
+use gearmesh::gear::{Flank, PairGeometry, PairNumbers, PairTeeth, first_teeth};
 use nalgebra::DMatrix;
 
 /// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
@@ -102,7 +102,7 @@ impl ContactSolver {
         }
         let corner_resolution = compliance.each_ref().map(|gear| gear.corner_resolution());
         let solver = ContactSolver {
-            numbers: PairNumbers::new(&pair.geometry, corner_resolution),
+            numbers: PairNumbers::new(&pair.geometry),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
                 microgeometry: pair.microgeometry.clone(),
@@ -368,7 +368,7 @@ impl ContactSolver {
         let seen = lines.all_seen_by_gears(&candidates);
         let influence = self.influence_of(lines, &candidates, &seen)?;
         let mut problem = PositionProblem {
-            contact: ContactProblem::new(lines, candidates, influence),
+            contact: ContactProblem::new(lines, self.setup.local_bodies(), candidates, influence),
             seen,
             along: vec![],
         };

@@ -14,10 +14,11 @@
 mod corner;
 mod wider;
 
-use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, LN_2, PI};
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2, LN_2, PI};
 use std::sync::OnceLock;
 
 use super::gap::GapProfile;
+use crate::gear::Gear;
 pub use corner::Corner;
 
 /// Points of a segment, middles of equal parts, at which local contact is evaluated: its edge crosses a segment in small steps.
@@ -37,6 +38,18 @@ pub struct LocalBody {
     pub plane_compliance: f64,
     /// How much more the tooth gives way at its tip edge than a half-plane.
     pub corner: Corner,
+}
+
+impl LocalBody {
+    /// `gear`, whose elastic model resolves the tip corner down to the distance `resolution` (m) from the edge; zero: not at all.
+    pub fn new(gear: &Gear, resolution: f64) -> LocalBody {
+        let plane_compliance = gear.plane_compliance();
+        let angle = FRAC_PI_2 + (gear.tip_form_roll() / gear.base_radius()).atan();
+        LocalBody {
+            plane_compliance,
+            corner: Corner::new(angle, plane_compliance, resolution),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -24,7 +24,7 @@ fn plain(gear: usize, order: u32, size: f64) -> BodyOrders {
 fn turned(element: &Element, pair: &PairGeometry, s: f64, cycles: f64, delta: f64) -> Inputs {
     let [z1, z2] = [0, 1].map(|i| pair.gears[i].z());
     let turn = s * cycles * TAU / z1;
-    let follows = -turn * z1 / z2 + s * delta / element.constants.rb[1];
+    let follows = -turn * z1 / z2 + s * delta / element.constants.base_radius[1];
     spun(
         &spun(&element.nominal_inputs(), 0, turn),
         1,
@@ -121,7 +121,7 @@ fn a_closed_loop_through_the_angle_of_the_bodies_keeps_its_energy() {
             let mut pose = turned(&element, &pair, 1.0, cycles * cos, 6e-6 + 1e-6 * sin);
             let [z1, z2] = [0, 1].map(|i| pair.gears[i].z());
             let spin = -cycles * sin * TAU / z1;
-            let closes = 1e-6 * cos / element.constants.rb[1];
+            let closes = 1e-6 * cos / element.constants.base_radius[1];
             pose.gears[0].w.z = spin;
             pose.gears[1].w.z = pair.e() * (closes - spin * z1 / z2);
             let out = element.evaluate(&phase, &pose).unwrap();

@@ -34,7 +34,7 @@ fn pressed(element: &Element, n: usize, dc: f64, delta: f64) -> Inputs {
     inputs = spun(&spun(&inputs, 0, turn), 1, -turn);
     let out = at(element, &inputs);
     let missing = delta - out.transmission_error * element.line_of_action(out.center_distance);
-    spun(&inputs, 1, missing / element.constants.rb[1])
+    spun(&inputs, 1, missing / element.constants.base_radius[1])
 }
 
 fn loa_force(element: &Element, inputs: &Inputs) -> f64 {

@@ -88,7 +88,7 @@ fn damping_never_pulls_and_the_conjugate_one_sets_in_without_a_jump() {
         let k = &element.constants;
         let force = |delta: f64| {
             let mut inputs = compressed(&element, 1.0, delta);
-            inputs.gears[0].w.z = rate / k.rb[0];
+            inputs.gears[0].w.z = rate / k.base_radius[0];
             at(&element, &inputs).tangential_force
         };
         assert_eq!(force(-1e-12), 0.0);

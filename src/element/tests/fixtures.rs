@@ -214,7 +214,7 @@ pub(crate) fn compressed(element: &Element, s: f64, delta: f64) -> Inputs {
     spun(
         &element.nominal_inputs(),
         0,
-        s * delta / element.constants.rb[0],
+        s * delta / element.constants.base_radius[0],
     )
 }
 

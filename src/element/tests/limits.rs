@@ -70,7 +70,7 @@ fn gears_out_of_mesh_feel_nothing_and_get_there_along_a_gradient() {
         }
         // Half out along the axis: the force is still the slope of the energy.
         let mut inputs = compressed(&element, 1.0, 100e-6);
-        let turn_back = 18e-3 * element.constants.tan_beta_b / element.constants.rb[0];
+        let turn_back = 18e-3 * element.constants.tan_beta_b / element.constants.base_radius[0];
         inputs.gears[1].p.z += 18e-3;
         inputs = spun(&inputs, 0, -turn_back * element.constants.hand);
         let energy = |dz: f64| {
@@ -119,11 +119,11 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
         let nominal = element.evaluate(&phase, &inputs).unwrap();
         assert!(!nominal.out_of_range && nominal.flank == 1);
         // Down to the base circles, closest near them, and as far the other way.
-        let room = pair.center_distance - k.base_sum;
+        let room = pair.center_distance - k.base_radius_sum;
         let steps = (1..400).map(|i| room * (1.0 - f64::from(i) / 400.0).powi(3));
         let mut least = 1.0_f64;
         for c in steps
-            .map(|left| k.base_sum + left)
+            .map(|left| k.base_radius_sum + left)
             .chain([pair.center_distance + room])
         {
             let (share, by_c) = radial_share(k, c);
@@ -137,7 +137,7 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
             x.gears[1].p.x = x.gears[0].p.x + (x.gears[1].p.x - x.gears[0].p.x).signum() * c;
             // Nearer the axes the flanks part; gear 1 follows until they press again.
             let gap = element.evaluate(&phase, &x).unwrap().transmission_error;
-            let x = spun(&x, 0, (5e-6 - gap.min(0.0)) / k.rb[0]);
+            let x = spun(&x, 0, (5e-6 - gap.min(0.0)) / k.base_radius[0]);
             let out = element.evaluate(&phase, &x).unwrap();
             assert!(share == 0.0 || out.flank == 1, "{z1}/{z2} {c}: {gap}");
             let mut loads = out.force.iter().chain(&out.moment);
@@ -147,9 +147,9 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
                 x.gears[1].p.x += dx;
                 energy(&x)
             };
-            let h = 1e-4 * (c - k.base_sum);
+            let h = 1e-4 * (c - k.base_radius_sum);
             // Nearer to the base circles the difference is rounding.
-            if c - k.base_sum > 1e-3 * room {
+            if c - k.base_radius_sum > 1e-3 * room {
                 let slope = (moved(h) - moved(-h)) / (2.0 * h);
                 let epsilon = 1e-5 * (nominal.tangential_force + out.tangential_force);
                 assert_abs_diff_eq!(out.force[1].x, -slope, epsilon = epsilon);

@@ -20,7 +20,7 @@ fn a_million_revolutions_and_a_distant_origin_change_only_the_inputs_rounding() 
         // The angle itself is rounded to an ulp of 2 pi 1e6 (9e-10 rad), taken as given here.
         let turns = TAU * 1e6;
         let far = spun(&inputs, 0, turns);
-        let ulp = turns * f64::EPSILON * element.constants.rb[0] * 6e8;
+        let ulp = turns * f64::EPSILON * element.constants.base_radius[0] * 6e8;
         assert_abs_diff_eq!(at(&element, &far).tangential_force, near, epsilon = ulp);
         // 1000 km: an ulp is 1.2e-10 m.
         let shift = |inputs: &Inputs| {
@@ -120,7 +120,7 @@ fn overlapping_teeth_at_an_absolute_start_are_refused_with_the_turn_that_helps()
     let turned = spun(&start, 0, turn);
     let phase = element.start(&turned).unwrap();
     let out = element.evaluate(&phase, &turned).unwrap();
-    assert!(out.tangential_force * element.constants.rb[0] < 100.0);
+    assert!(out.tangential_force * element.constants.base_radius[0] < 100.0);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-"""Instructions per evaluation of kernels and element, counted by valgrind: the same on a noisy machine.
+"""Instructions per evaluation of kernels, element and contact at run time, counted by valgrind: the same on a noisy machine.
 
     python scripts/callgrind.py [--record]
 

@@ -1,5 +1,6 @@
-//! What is measured: evaluations of tables and of the element at fixed points, by name.
+//! What is measured: evaluations of tables, of the element and of contact at run time at fixed points, by name.
 
+mod contact;
 #[path = "../../tests/common/spring.rs"]
 mod spring;
 
@@ -279,6 +280,10 @@ pub fn all() -> Vec<Case> {
     let mut cases = vec![];
     kernels(&mut cases);
     elements(&mut cases);
+    cases.push(Case {
+        name: "contact/run-time".into(),
+        make: Box::new(contact::at_run_time),
+    });
     steps(&mut cases);
     cases
 }

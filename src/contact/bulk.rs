@@ -15,7 +15,7 @@ pub struct Influence {
     pub motion: Option<Motion>,
 }
 
-/// Change of the bulk matrix A with the places s of contact along the profile (m towards the tip of gear 1, from where the undeformed flanks
+/// Change of the bulk matrix A with the places xi of contact along the profile (m towards the tip of gear 1, from where the undeformed flanks
 /// come closest): A_ij + xi_i B_ij + xi_j B_ji, and xi_i² C_i more on the diagonal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {

@@ -6,13 +6,13 @@
 //! v' - v = H a,    x' - x - H v = H² d
 //! ```
 //!
-//! Both follow the force F of the mesh that acted in the step: a = e - w F and d = f - theta w F, with w the mobility of the gears (inverse
+//! Both follow the force F of the mesh that acted in the step: a = g - w F and d = f - theta w F, with w the mobility of the gears (inverse
 //! effective mass) and theta 1/2 where the master holds loads over the step and moves the bodies exactly, 1 where it sets velocities first
-//! and moves by the new ones (`v += h a; x += h v`), 0 in the explicit Euler rule. What e and f hold, bodies, shafts, bearings and other
-//! meshes, is linear and does not change: a modes' sum that earlier values of e and of F foretell. So
+//! and moves by the new ones (`v += H a; x += H v`), 0 in the explicit Euler rule. What g and f hold, bodies, shafts, bearings and other
+//! meshes, is linear and does not change: a modes' sum that earlier values of g and of F foretell. So
 //!
 //! ```text
-//! Δe_n = Σ c_k Δe_(n-k) + Σ b_k w ΔF_(n-k),    k = 1..4 and 0..4
+//! Δg_n = Σ c_k Δg_(n-k) + Σ b_k w ΔF_(n-k),    k = 1..4 and 0..4
 //! ```
 //!
 //! is fitted to the steps so far by least squares that forget (Ljung, System Identification, 2nd ed. 1999, section 11.2: ARX models by
@@ -170,7 +170,7 @@ impl Steps {
         }
     }
 
-    /// Changes of w F where `acting(k)` acted in the step k back, and of e, from k = `from` on.
+    /// Changes of w F where `acting(k)` acted in the step k back, and of g, from k = `from` on.
     fn known(&self, w: f64, change: &[f64], acting: &[f64], even: usize) -> [f64; UNKNOWNS] {
         let of_force = |k: usize| w * (acting[k] - acting[k + 1]);
         let mut known = [0.0; UNKNOWNS];

@@ -6,7 +6,7 @@
 //! omega H = 2 and without damping. For theta = 1/2 the motion under the changing force is integrated over the step,
 //!
 //! ```text
-//! x'' = e - w F(x, x', t)
+//! x'' = g - w F(x, x', t)
 //! ```
 //!
 //! with x the approach of the loaded flank, signed as the turn of gear 1, and the element returns the constant wrench that moves the bodies
@@ -354,7 +354,7 @@ impl Element {
         if theta < RULES[0] {
             return at(h, free[1] * h.powi(2), 0.0);
         }
-        // One step of the classical Runge-Kutta method for y'' = e - w F, with e linear in time.
+        // One step of the classical Runge-Kutta method for y'' = g - w F, with g linear in time.
         let mut stages = [now; 4];
         let (mut dy, mut du) = (0.0, 0.0);
         for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {

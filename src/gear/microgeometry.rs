@@ -41,7 +41,7 @@ impl Microgeometry {
 
     /// Tip relief and root relief, as far as there are.
     pub fn reliefs(&self) -> impl Iterator<Item = &ProfileRelief> {
-        self.tip_relief.iter().chain(&self.root_relief)
+        [&self.tip_relief, &self.root_relief].into_iter().flatten()
     }
 
     /// Slope and curvature over the length of roll without the reliefs, m/m and m/m²; the curvature of a topography is its
@@ -62,7 +62,7 @@ impl Microgeometry {
     #[inline]
     pub fn profile(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
         let mut piece = ProfilePiece::default();
-        for relief in [&self.tip_relief, &self.root_relief].into_iter().flatten() {
+        for relief in self.reliefs() {
             piece = piece.and(relief.piece(roll));
         }
         self.add_smooth(piece, gear, roll, z)

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-/// The matrix in `text`, of at most so many rows and columns.
+/// The matrix in `text`, of at most `most` rows and columns.
 ///
 /// # Errors
 /// What is wrong with the text, to go on with after its name.

@@ -5,6 +5,7 @@ use super::outline::Outline;
 use super::section::Section;
 use gearmesh::contact::Segment;
 use gearmesh::root::bisection;
+use std::ops::Range;
 
 /// Weights of the flank nodes that share the force on a segment (they sum to one) and, since loads and
 /// displacements are treated alike, average the displacement of the segment.
@@ -43,8 +44,19 @@ impl FlankGrid {
     }
 
     pub fn len(&self) -> usize {
+        self.planes().map(|plane| plane.len()).sum()
+    }
+
+    /// The nodes of each station and of each middle between two, as [`face_nodes`] numbers them.
+    pub fn planes(&self) -> impl Iterator<Item = Range<usize>> {
         let (elements, layers) = (self.arcs.len() - 1, self.stations.len() - 1);
-        (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
+        (0..=2 * layers).map(move |half| {
+            let first = half / 2 * (3 * elements + 2);
+            match half.is_multiple_of(2) {
+                true => first..first + 2 * elements + 1,
+                false => first + 2 * elements + 1..first + 3 * elements + 2,
+            }
+        })
     }
 
     /// Length of roll at both ends of the involute, m.
@@ -185,7 +197,7 @@ fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
 /// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
 const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 
-/// Distance from the edge at which a load gives way at a tip corner as one that half a kernel spreads from the edge on, over
+/// Distance from the edge at which a load deflects at a tip corner as one that half a kernel spreads from the edge on, over
 /// the half-width: half of exp of the mean of ln(x + y) over both.
 const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
 

@@ -65,6 +65,20 @@ impl Layers {
         }
     }
 
+    /// Those above the plane at `z`, m, if it lies in the middle of them.
+    pub fn above(&self, z: f64) -> Option<Layers> {
+        let middle = self.stations.len() / 2;
+        let is_middle = self.stations.len() % 2 == 1 && (self.stations[middle] - z).abs() < 1e-9;
+        is_middle.then(|| Layers {
+            stations: self.stations[middle..].to_vec(),
+            face: 0..self.face.end - middle,
+            body: self.body.map(|body| Body {
+                held_ends: [false, body.held_ends[1]],
+                ..body
+            }),
+        })
+    }
+
     pub fn of_face(&self) -> &[f64] {
         &self.stations[self.face.start..=self.face.end]
     }
@@ -122,6 +136,8 @@ pub(super) struct Mesh {
     pub body: usize,
     /// Nodes that lie on faces of those, with the nodes of the face that move them and their shares.
     pub hanging: HashMap<usize, Vec<(usize, f64)>>,
+    /// Nodes on a plane of symmetry, with the components of their displacement that it holds.
+    pub guided: HashMap<usize, Range<usize>>,
 }
 
 /// A round hole along the axis through elements that know nothing of it: where they are cut, the integration has many points (finite cell
@@ -307,6 +323,18 @@ impl Mesh {
         mesh
     }
 
+    /// Holds the components `held` of all nodes on the plane at `z`, m; loads on these components are left out.
+    pub fn guide(&mut self, z: f64, held: Range<usize>) {
+        let on_plane = (0..self.points.len()).filter(|node| self.points[*node][2] == z);
+        self.guided = on_plane.map(|node| (node, held.clone())).collect();
+        for load in &mut self.loads {
+            load.retain(|(unknown, _)| {
+                let of_node = self.guided.get(&(unknown / self.dimension));
+                of_node.is_none_or(|held| !held.contains(&(unknown % self.dimension)))
+            });
+        }
+    }
+
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
         element.iter().map(|node| self.points[*node]).collect()
     }
@@ -335,11 +363,26 @@ impl Mesh {
 
     /// Stiffness of the `element`, N/m, by the displacements of the nodes that move it.
     pub fn moved_stiffness(&self, element: usize) -> DMatrix<f64> {
+        let moving = self.moving(element);
+        let mut k = self.followed_stiffness(element, &moving);
+        for (at, node) in moving.iter().enumerate() {
+            let held = self.guided.get(node).cloned().unwrap_or_default();
+            for unknown in held.map(|component| self.dimension * at + component) {
+                // Nothing moves an unknown that has a stiffness of its own and no load.
+                let own = k[(unknown, unknown)];
+                k.column_mut(unknown).fill(0.0);
+                k.row_mut(unknown).fill(0.0);
+                k[(unknown, unknown)] = own;
+            }
+        }
+        k
+    }
+
+    fn followed_stiffness(&self, element: usize, moving: &[usize]) -> DMatrix<f64> {
         let nodes = &self.elements[element];
         if !self.hangs(nodes) {
             return self.stiffness(nodes);
         }
-        let moving = self.moving(element);
         let d = self.dimension;
         let mut follow = DMatrix::zeros(d * nodes.len(), d * moving.len());
         for (i, node) in nodes.iter().enumerate() {

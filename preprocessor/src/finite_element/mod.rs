@@ -26,6 +26,7 @@ mod gear_model;
 mod harmonics;
 mod influence;
 mod mesh;
+mod mirror;
 mod model;
 mod outline;
 mod pair_models;

@@ -7,7 +7,7 @@ use super::flank::FlankGrid;
 use super::mesh::{Layers, LoadColumn, Mesh, twist};
 use super::outline::Outline;
 use super::section::Section;
-use super::{Settings, harmonics, ring};
+use super::{Settings, harmonics, mirror, ring};
 use crate::gear::ToothProfile;
 use gearmesh::contact::Segment;
 use gearmesh::gear::Gear;
@@ -108,6 +108,9 @@ impl Model {
         condensed: &mut Option<(Mesh, CondensedSector)>,
         progress: &Progress<'_>,
     ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
+        if let Some(upper) = self.upper_half() {
+            return self.influence_by_halves(&upper, progress);
+        }
         let mesh = self.mesh();
         let known = condensed.take();
         let known = known.and_then(|(of, sector)| sector.on_body_of(&of, &mesh));
@@ -118,6 +121,35 @@ impl Model {
         let influence = self.closed(&sector, 0..=self.reach as i32, progress);
         *condensed = Some((mesh, sector));
         influence
+    }
+
+    /// The layers of half the face, if mid-face mirrors the gear.
+    pub fn upper_half(&self) -> Option<Layers> {
+        mirror::upper_half(&self.gear, self.layers.as_ref()?)
+    }
+
+    fn influence_by_halves(
+        &self,
+        upper: &Layers,
+        progress: &Progress<'_>,
+    ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
+        let of_half = |half: usize| {
+            move |stage: Stage, share: f64| progress(stage, 0.5 * (half as f64 + share))
+        };
+        let mut sectors = Vec::new();
+        for (half, held) in mirror::HELD.into_iter().enumerate() {
+            let mut mesh = Mesh::new(&self.gear, &self.outline, &self.section, Some(upper));
+            mesh.guide(upper.stations[0], held);
+            sectors.push(self.condensed(&mesh, &mesh.loads, mesh.loads.len(), &of_half(half))?);
+        }
+        let mut halves = Vec::new();
+        for (half, sector) in sectors.iter().enumerate() {
+            halves.push(self.closed(sector, 0..=self.reach as i32, &of_half(half))?);
+        }
+        let both = halves[0].iter().zip(&halves[1]);
+        Ok(both
+            .map(|(even, odd)| mirror::of_whole_face(&self.grid, [even, odd]))
+            .collect())
     }
 
     /// Displacements of the `mesh` of this model along the functionals, which are `columns` behind the first `loads` (all where there are no

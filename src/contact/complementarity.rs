@@ -31,7 +31,8 @@ pub struct Problem<'a> {
     /// How contact moves along the profile; `None`: it stays.
     pub movable: Option<Movable<'a>>,
     /// Relative residual below which, with contact that stays, one step along the tangents of all laws ends the solve. What it leaves
-    /// is of the order of the square and is not measured; a residual below that square ends a solve anyway. Zero: no such step.
+    /// is of the order of the square and is not measured; a residual below that square ends a solve anyway, and derivatives are no
+    /// more exact than it takes to find the next solution. Zero: no such step.
     pub last_step_from: f64,
 }
 
@@ -75,6 +76,8 @@ pub struct Solution {
     /// Where contact has moved to; `None`: it stays.
     pub placed: Option<Placed>,
     response: Option<Response>,
+    /// Relative error of its response.
+    tolerance: f64,
     /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
     pub excess: Option<Failure>,
 }
@@ -83,7 +86,7 @@ impl Solution {
     /// Forces on the segments in contact by which their closings grow by `closing`, N from m.
     pub fn stiffened(&self, closing: &DVector<f64>) -> DVector<f64> {
         match &self.response {
-            Some(response) => response.solve(&self.factor, closing, OF_RESPONSE),
+            Some(response) => response.solve(&self.factor, closing, self.tolerance),
             None => self.factor.solve(closing),
         }
     }
@@ -104,6 +107,21 @@ const SWINGING: usize = 50;
 const TOLERANCE: f64 = 1e-12;
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// D + A over the segments in contact.
+struct Factored {
+    active: Vec<usize>,
+    factor: Factor,
+    /// Share of a residual that a step by it leaves: about the relative residual where it was made, and what a step did leave.
+    leaves: f64,
+}
+
+impl Factored {
+    /// Whether it is that of the segments `active`, and a step by it leaves no more than `share`.
+    fn serves(&self, active: &[usize], share: f64) -> bool {
+        self.active == active && self.leaves <= share
+    }
+}
 
 #[derive(Debug, Clone)]
 struct Iterate {
@@ -131,6 +149,8 @@ impl Problem<'_> {
         // Forces balance the prescribed one after a whole step; where they start right, rounding may leave no whole step.
         let free = matches!(self.target, Target::Approach(_));
         let mut balanced = free;
+        let enough = TOLERANCE.max(self.last_step_from.powi(2));
+        let mut known: Option<Factored> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
             if residual.is_nan() {
                 return Err(Failure::NotConverged {
@@ -138,8 +158,8 @@ impl Problem<'_> {
                     residual,
                 });
             }
-            if balanced && residual <= TOLERANCE.max(self.last_step_from.powi(2)) {
-                return self.finish(at, placed, iteration);
+            if balanced && residual <= enough {
+                return self.finish(at, placed, iteration, known);
             }
             let active = at.active();
             if active.is_empty() && !free {
@@ -156,16 +176,21 @@ impl Problem<'_> {
                 continue;
             }
             let system = self.system(&placed);
-            let factor = self.factor(system, &at, &active)?;
+            let factored = match known.take() {
+                Some(known) if known.serves(&active, enough / residual) => known,
+                _ => self.factored(system, &at, active, residual)?,
+            };
+            let Factored { factor, active, .. } = &factored;
             // Places that follow the forces.
             let near = placed.as_ref().filter(|_| residual < NEAR);
             let response = (self.movable.zip(near))
-                .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active));
-            let step = self.newton_step(system, &at, &active, &factor, response.as_ref());
+                .map(|(movable, placed)| Response::new(movable, placed, &at.y, active));
+            let step = self.newton_step(system, &at, active, factor, response.as_ref());
             if residual < self.last_step_from
                 && let Some(last) = self.along_tangents(system, &at, &step)
             {
-                return Ok(self.solution(last, active, factor, iteration + 1, residual * residual));
+                let left = residual * factored.leaves;
+                return Ok(self.solution(last, factored, iteration + 1, left));
             }
             if response.is_some() {
                 // The whole step, as it will be; what counts is what it leaves at the new places.
@@ -183,7 +208,12 @@ impl Problem<'_> {
                 self.place(&mut placed, &at.y, share);
                 at = self.iterate(self.system(&placed), at.y, at.delta);
             }
+            let before = residual;
             residual = self.residual(self.system(&placed), &at);
+            known = Some(Factored {
+                leaves: factored.leaves.max(residual / before),
+                ..factored
+            });
         }
         Err(Failure::NotConverged {
             iterations: MAXIMUM_ITERATIONS,
@@ -277,17 +307,24 @@ impl Problem<'_> {
         }
     }
 
-    fn factor(
+    /// The factor of the segments `active` at `at`, where the relative residual is `residual`.
+    fn factored(
         &self,
         system: System<'_>,
         at: &Iterate,
-        active: &[usize],
-    ) -> Result<Factor, Failure> {
-        let mut matrix = system.of_active(active);
+        active: Vec<usize>,
+        residual: f64,
+    ) -> Result<Factored, Failure> {
+        let mut matrix = system.of_active(&active);
         for (number, &i) in active.iter().enumerate() {
             matrix[(number, number)] += at.loads[i].slope().recip();
         }
-        matrix.cholesky().ok_or(Failure::NotPositiveDefinite)
+        let factor = matrix.cholesky().ok_or(Failure::NotPositiveDefinite)?;
+        Ok(Factored {
+            active,
+            factor,
+            leaves: residual,
+        })
     }
 
     fn newton_step(
@@ -418,14 +455,14 @@ impl Problem<'_> {
     fn solution(
         &self,
         at: Iterate,
-        active: Vec<usize>,
-        factor: Factor,
+        Factored { active, factor, .. }: Factored,
         iterations: usize,
         kkt_residual: f64,
     ) -> Solution {
         Solution {
             factor,
             response: None,
+            tolerance: OF_RESPONSE.max(self.last_step_from.powi(2)),
             excess: self.overload(&at.loads),
             force: at.y,
             approach: at.delta,
@@ -444,6 +481,7 @@ impl Problem<'_> {
         mut at: Iterate,
         placed: Option<Placed>,
         iterations: usize,
+        known: Option<Factored>,
     ) -> Result<Solution, Failure> {
         let system = self.system(&placed);
         let presses = |i: usize| at.loads[i].force() > 0.0;
@@ -468,13 +506,16 @@ impl Problem<'_> {
         }
         let mut active = at.active();
         active.retain(|&i| at.y[i] > 0.0);
-        let factor = self.factor(system, &at, &active)?;
+        let factored = match known {
+            Some(known) if known.serves(&active, self.last_step_from) => known,
+            _ => self.factored(system, &at, active, kkt_residual)?,
+        };
         let response = (self.movable.zip(placed.as_ref()))
-            .map(|(movable, placed)| Response::new(movable, placed, &at.y, &active));
+            .map(|(movable, placed)| Response::new(movable, placed, &at.y, &factored.active));
         Ok(Solution {
             response,
             placed,
-            ..self.solution(at, active, factor, iterations, kkt_residual)
+            ..self.solution(at, factored, iterations, kkt_residual)
         })
     }
 }

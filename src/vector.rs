@@ -109,6 +109,23 @@ fn combine_four<const ADD: bool>(out: &mut [f64; 4], factor: f64, row: &[f64; 4]
     }
 }
 
+/// Adds to `out` the columns of `matrix`, one after the other as long as `out`, each times the weight that `weights` give it.
+pub fn add_columns(
+    out: &mut [f64],
+    matrix: &[f64],
+    weights: impl IntoIterator<Item = (usize, f64)>,
+) {
+    let length = out.len();
+    Lanes::widest().run(
+        #[inline(always)]
+        |lanes| {
+            for (column, weight) in weights {
+                lanes.combine::<true>(out, weight, &matrix[column * length..][..length]);
+            }
+        },
+    );
+}
+
 /// Sum of products, by two lanes that are summed at the end.
 #[inline(always)]
 pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {

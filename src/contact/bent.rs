@@ -19,6 +19,7 @@ use super::bulk::Motion;
 use super::candidates::Candidate;
 use super::gap::GapProfile;
 use super::local_law::POINTS;
+use crate::vector::add_columns;
 
 /// The segments of a position, which may move.
 #[derive(Clone, Copy)]
@@ -74,7 +75,7 @@ impl Placed {
         share: f64,
     ) -> Placed {
         let pressing = forces.map(|force| force.max(0.0));
-        let tilted = -(&movable.motion.tilt * &pressing);
+        let tilted = -product(&movable.motion.tilt, &pressing);
         // Moments of the segment itself turn it back: as if its gap were so much more curved.
         let turned_back = movable.motion.bend.component_mul(&pressing);
         let least = |i: usize| {
@@ -116,10 +117,10 @@ pub struct System<'a> {
 impl System<'_> {
     /// Displacements A(xi) F under the forces `forces` (N), m.
     pub fn displaced(&self, forces: &DVector<f64>) -> DVector<f64> {
-        let mut displaced = self.bulk * forces;
+        let mut displaced = product(self.bulk, forces);
         if let Some((Motion { tilt, bend, .. }, places)) = self.moved {
             let moments = places.component_mul(forces);
-            let tilts = tilt * forces + bend.component_mul(&moments);
+            let tilts = product(tilt, forces) + bend.component_mul(&moments);
             displaced += tilts.component_mul(places);
             displaced.gemv_tr(1.0, tilt, &moments, 1.0);
         }
@@ -143,6 +144,15 @@ impl System<'_> {
         }
         matrix
     }
+}
+
+/// `matrix` times `forces`, most of which are zero.
+fn product(matrix: &DMatrix<f64>, forces: &DVector<f64>) -> DVector<f64> {
+    let mut out = DVector::zeros(matrix.nrows());
+    let acting = forces.iter().copied().enumerate();
+    let acting = acting.filter(|(_, force)| *force != 0.0);
+    add_columns(out.as_mut_slice(), matrix.as_slice(), acting);
+    out
 }
 
 /// The linear response about a solution whose segments may move.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gearmesh::vector::Lanes;
+use gearmesh::vector::{Lanes, add_columns};
 use nalgebra::DMatrix;
 
 use super::cache::Stored;
@@ -64,13 +64,18 @@ impl Influence {
         // Of the nodes, rows, by forces on each of the loaded ones.
         let mut influence = Vec::with_capacity(seen.len() * nodes.len());
         let runs = runs(&seen);
-        for node in &nodes {
-            let whole = self.column(offset, *node);
-            for run in &runs {
-                let entries = whole[run.clone()].iter();
-                influence.extend(entries.map(|entry| self.unit * f64::from(*entry)));
-            }
-        }
+        Lanes::widest().run(
+            #[inline(always)]
+            |_| {
+                for node in &nodes {
+                    let whole = self.column(offset, *node);
+                    for run in &runs {
+                        let entries = whole[run.clone()].iter();
+                        influence.extend(entries.map(|entry| self.unit * f64::from(*entry)));
+                    }
+                }
+            },
+        );
         let influence = DMatrix::from_vec(seen.len(), nodes.len(), influence);
         let displaced = combined(&influence, &loads).transpose();
         combined(&displaced, &observed)
@@ -97,22 +102,14 @@ fn compact(weights: &[&Weights]) -> (Vec<usize>, Vec<Weights>) {
 
 /// The columns of `matrix` in combinations of the weights `weights`.
 fn combined(matrix: &DMatrix<f64>, weights: &[Weights]) -> DMatrix<f64> {
-    let n = matrix.nrows();
-    let mut sums = DMatrix::zeros(n, weights.len());
-    Lanes::widest().run(
-        #[inline(always)]
-        |_| {
-            for (weights, mut sums) in weights.iter().zip(sums.column_iter_mut()) {
-                let sums = sums.as_mut_slice();
-                for (column, weight) in weights {
-                    let column = &matrix.as_slice()[column * n..][..n];
-                    for (sum, value) in sums.iter_mut().zip(column) {
-                        *sum += weight * value;
-                    }
-                }
-            }
-        },
-    );
+    let mut sums = DMatrix::zeros(matrix.nrows(), weights.len());
+    for (weights, mut sums) in weights.iter().zip(sums.column_iter_mut()) {
+        add_columns(
+            sums.as_mut_slice(),
+            matrix.as_slice(),
+            weights.iter().copied(),
+        );
+    }
     sums
 }
 

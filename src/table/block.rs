@@ -55,3 +55,22 @@ pub(super) fn rounded(values: &[f64], share: f64) -> Vec<f64> {
     let round = |x: &f64| format!("{x:.decimals$}").parse().unwrap_or(*x) + 0.0;
     values.iter().map(round).collect()
 }
+
+/// As [`rounded`], and each value to five digits.
+pub(super) fn rounded_to_five(values: &[f64], share: f64) -> Vec<f64> {
+    let round = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
+    rounded(values, share).into_iter().map(round).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_keep_five_digits_down_to_a_share_of_the_largest() {
+        let values = [4321.987654, -321.987654, 0.987654, 0.0004, -0.0004];
+        let expected = [4322.0, -321.99, 0.988, 0.0, 0.0];
+        assert_eq!(rounded_to_five(&values, 1e-6), expected);
+        assert_eq!(rounded(&values, 1e-6)[0], 4321.988);
+    }
+}

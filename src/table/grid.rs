@@ -1,7 +1,7 @@
 //! The grid of one flank: axes and samples, before any interpolant, and what they must fulfil.
 
 use super::axes::check_values;
-use super::block::{Block, rounded};
+use super::block::{Block, rounded, rounded_to_five};
 use super::error::refused;
 use super::interpolation::at_zero;
 use super::records::SlidingSamples;
@@ -44,16 +44,16 @@ impl FlankGrid {
         }
     }
 
-    /// The samples as part of a file, rounded to decimals far below the error of interpolation: forces and moments
-    /// to a millionth of the largest at least, approaches to a ten-millionth. That halves the size on disk.
+    /// The samples as part of a file, rounded far below the error of interpolation: forces and moments to five digits, and not beyond
+    /// a millionth of the largest; approaches to a ten-millionth of the largest. That makes the file half as large.
     #[must_use]
     pub fn for_file(&self) -> FlankGrid {
         FlankGrid {
             axes: Axes::default(),
             no_load_approach: rounded(&self.no_load_approach, 1e-7),
             top_load_approach: rounded(&self.top_load_approach, 1e-7),
-            loa_force: rounded(&self.loa_force, 1e-6),
-            moment: self.moment.as_deref().map(|m| rounded(m, 1e-6)),
+            loa_force: rounded_to_five(&self.loa_force, 1e-6),
+            moment: self.moment.as_deref().map(|m| rounded_to_five(m, 1e-6)),
             sliding: self.sliding.clone(),
         }
     }

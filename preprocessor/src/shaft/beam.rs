@@ -3,17 +3,14 @@
 //! A straight shaft of round sections on bearings that are alike in all radial directions bends alike in both planes through its
 //! axis, and tension and torsion are apart from that. One matrix serves both planes; clearances alone tie them together.
 
-use std::f64::consts::PI;
-
 use super::clearance::Clearances;
+use super::section::{Rigidity, SAME_PLACE, shoulders};
 use crate::gear::{Bearing, Shaft};
 use gearmesh::gear::Gear;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Pieces that a shaft is divided into at least, for the drawing of its deflection: under loads at its nodes the beams are exact.
 const PIECES: f64 = 40.0;
-/// Places closer than this are one, m.
-const SAME_PLACE: f64 = 1e-8;
 
 /// A shaft with its bearings, held against turning at the end where the torque enters.
 pub struct Beam {
@@ -52,54 +49,6 @@ impl AtNode {
 
 /// What a bearing bears: force (N) and tilting moment (N m) of the housing on the shaft.
 pub type BearingLoad = AtNode;
-
-/// Rigidities of a cross-section.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Rigidity {
-    /// E I, N m².
-    bending: f64,
-    /// k G A, N.
-    shear: f64,
-    /// E A, N.
-    tension: f64,
-    /// G I_p, N m².
-    torsion: f64,
-}
-
-impl Rigidity {
-    /// A ring between the radii `inner` and `outer`, m. Shear factor after Cowper, J. Appl. Mech. 33 (1966) 335-340, Table 1.
-    fn ring([inner, outer]: [f64; 2], youngs_modulus: f64, poisson_ratio: f64) -> Rigidity {
-        let shear_modulus = 0.5 * youngs_modulus / (1.0 + poisson_ratio);
-        let area = PI * (outer * outer - inner * inner);
-        let moment = 0.25 * PI * (outer.powi(4) - inner.powi(4));
-        let (nu, m2) = (poisson_ratio, (inner / outer).powi(2));
-        let hollow = (1.0 + m2).powi(2);
-        let factor =
-            6.0 * (1.0 + nu) * hollow / ((7.0 + 6.0 * nu) * hollow + (20.0 + 12.0 * nu) * m2);
-        Rigidity {
-            bending: youngs_modulus * moment,
-            shear: factor * shear_modulus * area,
-            tension: youngs_modulus * area,
-            torsion: 2.0 * shear_modulus * moment,
-        }
-    }
-
-    /// The section of `shaft` at `z` (m), with the body of `gear` where that sits.
-    fn at(shaft: &Shaft, gear: &Gear, z: f64) -> Rigidity {
-        let [inner, outer] = shaft.radii_at(z);
-        let mut all = Rigidity::ring([inner, outer], shaft.youngs_modulus, shaft.poisson_ratio);
-        let sits = shaft.seat[0] <= z && z <= shaft.seat[1];
-        if sits && shaft.seat_radius > outer {
-            let radii = [outer, shaft.seat_radius];
-            let body = Rigidity::ring(radii, gear.youngs_modulus, gear.poisson_ratio);
-            all.bending += body.bending;
-            all.shear += body.shear;
-            all.tension += body.tension;
-            all.torsion += body.torsion;
-        }
-        all
-    }
-}
 
 impl Beam {
     /// `shaft` of `gear`, with nodes at `places` (m from the gear's z = 0 face), at sections, bearings and between; None where its
@@ -277,67 +226,6 @@ impl Beam {
     }
 }
 
-/// Where the thinner section beside a shoulder gives way more than by its length.
-struct Shoulder {
-    /// Ends of this part of the thinner section, m.
-    z: [f64; 2],
-    /// Flexibility in bending, shear and torsion over that of the section alone.
-    softer: [f64; 3],
-}
-
-/// The shoulders of `shaft`, those of its gear among them.
-///
-/// The end of the thicker section gives way as so much more length of the thinner one. Beside a half-space it is that of a rigid disc
-/// on it, which tilts by 3 (1 - nu) M / (8 G r³), moves by (2 - nu) F / (8 G r) and turns by 3 T / (16 G r³) (Johnson, Contact Mechanics,
-/// sections 3.6 to 3.9); with q = r/R the ratio of the radii it is 1 - 4 q³ + 3 q⁴ of that, in shear (1 - q)², as if the section grew from
-/// one radius to the other at 45 degrees. Taken with the thinner section, so that the teeth above the shoulder keep the shape
-/// of the whole body.
-fn shoulders(shaft: &Shaft) -> Vec<Shoulder> {
-    let [first, .., last] = shaft.section_ends()[..] else {
-        return vec![];
-    };
-    let mut ends = shaft.section_ends();
-    ends.extend(shaft.seat.map(|z| z.clamp(first, last)));
-    ends.sort_by(f64::total_cmp);
-    ends.dedup_by(|b, a| *b - *a < SAME_PLACE);
-    // Ends and outer radius between neighbouring ends.
-    let mut pieces = Vec::new();
-    for piece in ends.windows(2) {
-        let z = 0.5 * (piece[0] + piece[1]);
-        let sits = shaft.seat[0] <= z && z <= shaft.seat[1];
-        let [_, outer] = shaft.radii_at(z);
-        let radius = if sits {
-            outer.max(shaft.seat_radius)
-        } else {
-            outer
-        };
-        pieces.push((piece, radius));
-    }
-    let shoulders = pieces.windows(2).map(|both| {
-        let (thin, thick) = match both[0].1 < both[1].1 {
-            true => (both[0], both[1]),
-            false => (both[1], both[0]),
-        };
-        let (q, nu) = (thin.1 / thick.1, shaft.poisson_ratio);
-        let moments = 1.0 - 4.0 * q.powi(3) + 3.0 * q.powi(4);
-        let shear_factor = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu);
-        let more = [
-            3.0 * PI / 16.0 * (1.0 - nu * nu) * moments,
-            PI / 8.0 * shear_factor * (2.0 - nu) * (1.0 - q).powi(2),
-            3.0 * PI / 32.0 * moments,
-        ];
-        let part = thin.1.min(thin.0[1] - thin.0[0]);
-        Shoulder {
-            z: match both[0].1 < both[1].1 {
-                true => [thin.0[1] - part, thin.0[1]],
-                false => [thin.0[0], thin.0[0] + part],
-            },
-            softer: more.map(|length| 1.0 + length * thin.1 / part),
-        }
-    });
-    shoulders.collect()
-}
-
 /// Ends of sections and of the seat, bearings, `places`, and as many between as a drawing needs, ascending.
 fn nodes(shaft: &Shaft, places: impl Iterator<Item = f64>) -> Vec<f64> {
     let ends = shaft.section_ends();
@@ -395,6 +283,7 @@ mod tests {
     use crate::samples;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
     use gearmesh::gear::GearKind;
+    use std::f64::consts::PI;
 
     const E: f64 = 206e9;
     const SPAN: f64 = 0.2;
@@ -507,7 +396,7 @@ mod tests {
             ..AtNode::default()
         };
         let of_first = torque * 0.1 / (shear_modulus * polar(0.0, RADIUS));
-        // With what the shoulder gives way beside the first section, q = 10 / 15.
+        // With the deflection of the shoulder beside the first section, q = 10 / 15.
         let q = 10.0 / 15.0f64;
         let more = 3.0 * PI / 32.0 * 10e-3 * (1.0 - 4.0 * q.powi(3) + 3.0 * q.powi(4));
         let of_second = torque * (0.08 + more) / (shear_modulus * polar(5e-3, 10e-3));

@@ -10,10 +10,11 @@
 //! the additional lever sigma y on the slope of the axes, as a misalignment has.
 //!
 //! The body of a gear moves with its shaft at every z; the shaft has the section of the body where that sits. What teeth and body
-//! give way against the shaft is the finite-element model's, with the gear held at its bore.
+//! deflect against the shaft is the finite-element model's, with the gear held at its bore.
 
 mod beam;
 mod clearance;
+mod section;
 
 use crate::gear::{Pair, Shaft};
 use crate::static_contact::{
@@ -79,7 +80,7 @@ pub struct ShaftState {
     pub torsion: Vec<f64>,
     /// Misalignment of the axes at mid-face as the multibody element defines it, n . (a_1 - a_2), rad.
     pub misalignment: f64,
-    /// How far the gears give way at mid-face through both shafts and their bearings, torsion up to where the torques enter included.
+    /// How far the gears deflect at mid-face through both shafts and their bearings, torsion up to where the torques enter included.
     pub approach: f64,
     /// What each bearing bears, of gear 1 and gear 2.
     pub bearings: [Vec<BearingLoad>; 2],
@@ -304,7 +305,7 @@ impl Shafts {
     /// shafts unloaded, `misalignment` (rad), in equilibrium with the shafts: their closing under the forces of the contact is that under
     /// which it was solved, to a nanometre and a hundred-thousandth of the range of the closing. `before` is a solution nearby.
     ///
-    /// Newton's iteration on the closing, in which teeth give way about as a row of springs. `problem` is left without deflection.
+    /// Newton's iteration on the closing, in which teeth deflect about as a row of springs. `problem` is left without deflection.
     ///
     /// # Errors
     /// As [`PositionProblem::solve_torque`]; [`Failure::NotConverged`] where both do not agree.
@@ -497,7 +498,7 @@ pub fn misalignment_range(
     Some([-low, high])
 }
 
-/// How far the gears give way at mid-face through shafts and bearings under the torque `torque` (N m on gear 1), on the flank on which it
+/// How far the gears deflect at mid-face through shafts and bearings under the torque `torque` (N m on gear 1), on the flank on which it
 /// is more, m. None without shafts.
 pub fn approach(geometry: &PairGeometry, shafts: &[Option<Shaft>; 2], torque: f64) -> Option<f64> {
     let force = torque / geometry.gears[0].base_radius();

@@ -357,8 +357,8 @@ fn textbook_shaft(nu: f64) -> Vec<(&'static str, [f64; 2], [f64; 2])> {
 }
 
 #[test]
-fn a_stepped_shaft_bends_as_in_a_textbook_where_shear_and_shoulders_do_not_give_way() {
-    // Towards Poisson's ratio -1 the shear modulus has no bound: shoulders are rigid, and shear gives way by a ninth of steel's, since
+fn a_stepped_shaft_bends_as_in_a_textbook_where_shear_and_shoulders_do_not_deflect() {
+    // Towards Poisson's ratio -1 the shear modulus has no bound: shoulders are rigid, and shear deflects by a ninth of steel's, since
     // Cowper's factor falls too. What the textbook's beams leave out altogether.
     for (place, stated, found) in textbook_shaft(-1.0 + 1e-9) {
         for plane in 0..2 {
@@ -369,7 +369,7 @@ fn a_stepped_shaft_bends_as_in_a_textbook_where_shear_and_shoulders_do_not_give_
 }
 
 #[test]
-fn shear_and_shoulders_let_the_shaft_of_the_textbook_give_way_more() {
+fn shear_and_shoulders_let_the_shaft_of_the_textbook_deflect_more() {
     // As the finite elements of this shaft say, under each gear alone.
     let most = [1.07, 1.05, 1.07, 1.02, 1.11, 1.2];
     for ((place, stated, found), most) in textbook_shaft(0.3).into_iter().zip(most) {

@@ -1,4 +1,4 @@
-//! How far a loaded flank gives way: bulk compliance (bending, shear, base, blank, neighbours) apart
+//! How far a loaded flank deflects: bulk compliance (bending, shear, base, blank, neighbours) apart
 //! from the local contact, whose width depends on the load.
 
 use std::ops::Range;
@@ -66,7 +66,7 @@ pub trait ToothCompliance: Send + Sync {
     }
 
     /// The model of the same gear with tooth 0 of [`Segment::tooth`] its tooth `tooth`, counted in canonical coordinates from the tooth at body +x (of a
-    /// ring from that before the space there), where teeth give way in another way from tooth to tooth. None where they are alike;
+    /// ring from that before the space there), where teeth deflect in another way from tooth to tooth. None where they are alike;
     /// of others this model is the mean.
     fn at_tooth(&self, _tooth: i32) -> Option<Arc<dyn ToothCompliance>> {
         None
@@ -86,8 +86,8 @@ pub trait ToothCompliance: Send + Sync {
         Ok(None)
     }
 
-    /// Distance from the tip edge, m, down to which the model holds how a tooth gives way to a load: a load closer to the edge
-    /// gives way in it as one at this distance. Zero for a model of half-planes, which knows no edge.
+    /// Distance from the tip edge, m, down to which the model holds how a tooth deflects under a load: a load closer to the edge
+    /// deflects in it as one at this distance. Zero for a model of half-planes, which knows no edge.
     fn corner_resolution(&self) -> f64 {
         0.0
     }

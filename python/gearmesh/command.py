@@ -110,7 +110,7 @@ class MeshCycle:
         Losses at the speeds of gear 1 in `speed_rpm`.
     shaft_misalignment_mrad, shaft_bow_um, shaft_torsion_um, shaft_approach_loa_um : scalars or None
         With shafts on bearings: misalignment of the axes at mid-face under load, how much less bending closes both ends of the
-        face, how much more torsion closes that of large z, and what shafts and bearings give way, which is not in the STE.
+        face, how much more torsion closes that of large z, and the deflection of shafts and bearings, which is not in the STE.
     shaft_closing_z_mm, shaft_closing_um : (41,) or None
         Closing of the flanks along the face over mid-face.
     bearings : list of dict or None

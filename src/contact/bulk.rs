@@ -1,4 +1,4 @@
-//! How segments give way to each other's forces through teeth and bodies, as solves need it.
+//! How segments deflect under each other's forces through teeth and bodies, as solves need it.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -21,7 +21,7 @@ pub struct Influence {
 pub struct Motion {
     /// B: by how much flank i is tilted per force on segment j, 1/N, positive where it opens towards the tip of gear 1.
     pub tilt: DMatrix<f64>,
-    /// C: half the second derivative, 1/(N m), of what segment i gives way where it and its contact line, evenly loaded, move alike. Loads and
+    /// C: half the second derivative, 1/(N m), of the deflection of segment i where it and its contact line, evenly loaded, move alike. Loads and
     /// places are smooth along a line, so that one number a segment is enough. Not negative: what lets contact move on by itself lies beyond the step.
     pub bend: DVector<f64>,
     /// Distance to the places beside, at which it was taken, m.

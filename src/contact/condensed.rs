@@ -57,7 +57,7 @@ const POSITIONS: usize = 48;
 pub struct CondensedNode {
     /// Whole segments, ascending.
     pub segments: Vec<Candidate>,
-    /// How they give way to each other.
+    /// How they deflect under each other's forces.
     pub influence: Influence,
 }
 
@@ -169,7 +169,7 @@ impl CondensedFlank {
     }
 
     /// Influence of `segments`, ascending, of `lines`, at a mesh position in [0, 1); beyond the offsets of the nodes that of the
-    /// outermost one. A tooth pair gives way to its own load as its weak teeth do.
+    /// outermost one. A tooth pair deflects under its own load as its weak teeth do.
     pub(super) fn influence(&self, segments: &[&Candidate], lines: &ContactLines<'_>) -> Influence {
         let [along, _] = self.along(lines.tau);
         let [across, _] = self.across(lines.center_distance_offset);

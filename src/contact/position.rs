@@ -17,7 +17,7 @@ use crate::gear::PairNumbers;
 pub struct ContactProblem {
     /// The segments that may touch.
     pub candidates: Vec<Candidate>,
-    /// How they give way to each other.
+    /// How they deflect under each other's forces.
     pub influence: Influence,
     /// Law of one point of each segment.
     pub local: Vec<LocalContact>,
@@ -25,7 +25,7 @@ pub struct ContactProblem {
     pub arm: DVector<f64>,
     /// Those of the pair.
     pub numbers: PairNumbers,
-    /// How gear 1 and gear 2 give way close to the contact.
+    /// How gear 1 and gear 2 deflect close to the contact.
     pub bodies: [LocalBody; 2],
     /// Deviation from the nominal centre distance, m.
     pub center_distance_offset: f64,
@@ -53,7 +53,7 @@ pub struct Tangent {
 }
 
 impl ContactProblem {
-    /// The problem of `candidates` on `lines` of the gears `bodies`, which give way to each other by `influence`.
+    /// The problem of `candidates` on `lines` of the gears `bodies`, which act on each other by `influence`.
     pub fn new(
         lines: &ContactLines<'_>,
         bodies: [LocalBody; 2],

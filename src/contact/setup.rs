@@ -68,7 +68,7 @@ pub struct ContactSetup {
     pub followed_approach: f64,
     /// Reference length that the local contact asks for, m.
     pub reference_length: f64,
-    /// Distances from the tip edges down to which the elastic models hold how teeth give way, m.
+    /// Distances from the tip edges down to which the elastic models hold how teeth deflect, m.
     #[serde(default)]
     pub corner_resolution: [f64; 2],
     /// Lengths of roll at which the involutes end at the root, m.
@@ -114,7 +114,7 @@ impl ContactSetup {
         Ok(())
     }
 
-    /// How gear 1 and gear 2 give way close to the contact.
+    /// How gear 1 and gear 2 deflect close to the contact.
     pub fn local_bodies(&self) -> [LocalBody; 2] {
         [0, 1].map(|i| LocalBody::new(&self.geometry.gears[i], self.corner_resolution[i]))
     }

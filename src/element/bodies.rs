@@ -1,7 +1,7 @@
 //! Bodies that are no solids of revolution, in series with the law of the mean body.
 //!
 //! At the coordinates x = (delta, theta) and y = (C, mesh position) the law W of the mean body stands at x', short of x by what the bodies
-//! give way under its own force and moment g:
+//! deflect under its own force and moment g:
 //!
 //! ```text
 //! x' = x - c g ,   g = dW/dx (x', y) ,   U(x, y) = W(x', y) + g' c g / 2
@@ -65,7 +65,7 @@ impl Bodies {
         let mut w = law_at(&x)?;
         let mut step_is_last = false;
         for _ in 0..MOST_STEPS {
-            // Without load nothing gives way.
+            // Without load nothing deflects.
             if step_is_last || w.gradient[0] == 0.0 && x == start {
                 return Ok(potential(&w, [&c, &slope, &curvature]));
             }

@@ -125,7 +125,7 @@ fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
 #[test]
 fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_it_up() {
     agree(&["tip-edge", "shifted"], 0.004);
-    // The ring's corner of 105 degrees gives way by twice as much as a half-plane: no small addition to it.
+    // The ring's corner of 105 degrees deflects by twice as much as a half-plane: no small addition to it.
     agree(&["internal"], 0.009);
 }
 
@@ -134,7 +134,7 @@ fn a_car_pinion_at_its_highest_load_agrees_in_plane_strain() {
     agree(&["car-pinion"], 0.007);
 }
 
-/// With finite rotations and contact at the deformed flanks: at up to 4 N m the teeth give way by up to 5 % of the module, beyond
+/// With finite rotations and contact at the deformed flanks: at up to 4 N m the teeth deflect by up to 5 % of the module, beyond
 /// which `solve` notes it; at 10 N m by 9 %, and tip edges are then too stiff.
 #[test]
 fn a_plastic_wheel_agrees_with_finite_rotations_in_plane_strain() {

@@ -250,7 +250,7 @@ fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
     assert!(rms < stated, "{rms} {stated}");
 }
 
-/// With bodies that give way: tooth pairs two and three base pitches apart take of each other, too, by the misalignment.
+/// With bodies that deflect: tooth pairs two and three base pitches apart take of each other, too, by the misalignment.
 fn on_soft_bodies() -> TeethRecord {
     let mut record = RECORD.clone();
     let misalignments = &record.axes.misalignment;
@@ -386,7 +386,7 @@ fn a_record_that_makes_no_sense_and_teeth_that_are_not_told_apart_are_refused_by
         let error = changed(change).check(geometry).unwrap_err().to_string();
         assert!(error.contains(field), "{error}");
     }
-    // A coupling beyond what tooth pairs give way has no single solution; friction asks for how loads slide.
+    // A coupling beyond the deflection of tooth pairs has no single solution; friction asks for how loads slide.
     let friction = Effects {
         friction: true,
         ..EFFECTS

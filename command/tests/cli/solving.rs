@@ -50,7 +50,7 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
         assert_eq!(harmonic.is_null(), i >= 5, "{i}");
     }
     assert!(value("solve_seconds") > 0.0);
-    // Three-dimensional teeth on a held bore give way by some micrometres, not by none.
+    // Three-dimensional teeth on a held bore deflect by some micrometres, not by none.
     assert!(value("mean_ste_loa_um") > 5.0 && value("mean_ste_loa_um") < 20.0);
     // The constant coefficient that the pair file has by default.
     for coefficient in numbers(&json["friction_coefficient"]) {
@@ -234,7 +234,7 @@ fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
     for (a, b) in slope.iter().zip(ste("--misalignment-mrad 0.4")) {
         assert!((a - b).abs() < 1e-3 * b, "{a} {b}");
     }
-    // Less of the face bears, so the teeth give way more.
+    // Less of the face bears, so the teeth deflect more.
     for (bent, straight) in ste("--bow-um 6").iter().zip(ste("")) {
         assert!(*bent > straight + 0.2, "{bent} {straight}");
     }

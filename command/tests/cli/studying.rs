@@ -154,7 +154,7 @@ fn tooth_thickness_is_varied_within_its_tolerance_whatever_measure_of_it_the_dra
                 .all(|s| (ends[0]..=ends[1]).contains(&s[field])),
             "{field}"
         );
-        // Thinner teeth give way farther.
+        // Thinner teeth deflect farther.
         let mut stes: Vec<[f64; 2]> = (samples.iter())
             .map(|s| [s[field], s["mean_ste_loa_um"]])
             .collect();

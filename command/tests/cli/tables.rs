@@ -128,7 +128,7 @@ fn the_error_of_contact_at_run_time_is_that_of_the_unit() {
 }
 
 #[test]
-fn a_tilt_far_beyond_what_the_teeth_give_way_has_tables() {
+fn a_tilt_far_beyond_the_deflection_of_the_teeth_has_tables() {
     let folder = Folder::new();
     let gear = |teeth: u32| json!({ "teeth": teeth, "face_width_mm": 20.0 });
     let pair = json!({

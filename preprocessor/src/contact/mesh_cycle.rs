@@ -298,7 +298,7 @@ impl MeshCycle {
         let pressure = self.max_pressure();
         let too_soft = (share > LARGEST_DEFLECTION).then(|| {
             format!(
-                "the teeth give way by {:.0} um, {:.0} % of the module",
+                "the teeth deflect by {:.0} um, {:.0} % of the module",
                 1e6 * deflection,
                 100.0 * share
             )
@@ -308,7 +308,7 @@ impl MeshCycle {
         let both: Vec<String> = too_soft.into_iter().chain(too_hard).collect();
         (!both.is_empty()).then(|| {
             format!(
-                "{}: beyond linear elasticity, from which all results are; it holds for teeth that give way by up to {:.0} % of \
+                "{}: beyond linear elasticity, from which all results are; it holds for teeth that deflect by up to {:.0} % of \
                  the module, and for pressures up to what leaves a dent (ISO 76: 4 GPa on steel)",
                 both.join(" and "),
                 100.0 * LARGEST_DEFLECTION

@@ -45,7 +45,7 @@ fn gear_of(case: &Value) -> Gear {
 }
 
 #[test]
-fn thin_rims_and_pinion_shafts_give_way_like_an_independent_model_of_the_whole_gear() {
+fn thin_rims_and_pinion_shafts_deflect_like_an_independent_model_of_the_whole_gear() {
     let text = include_str!("../../../tests/data/thin_rim.json");
     let data: Value = serde_json::from_str(text).unwrap();
     for case in data["cases"].as_array().unwrap() {
@@ -127,7 +127,7 @@ fn influences(case: &Value, gear: &Gear, body: &UnevenBody) -> [DMatrix<f64>; 2]
 }
 
 #[test]
-fn teeth_above_and_between_the_holes_of_a_web_give_way_like_an_independent_model_of_the_whole_gear()
+fn teeth_above_and_between_the_holes_of_a_web_deflect_like_an_independent_model_of_the_whole_gear()
 {
     let text = include_str!("../../../tests/data/web_holes.json");
     let (case, gear, circle) = case_of(text, "web_holes", 0.0);
@@ -163,7 +163,7 @@ fn teeth_of_a_ring_over_and_between_its_pins_yield_as_in_an_independent_model() 
     let own = expected.diagonal().map(f64::sqrt);
     let error = (&found - &expected).component_div(&(&own * own.transpose()));
     assert!(error.amax() < 1.5e-2, "{error:.4}");
-    // Midway between two pins a tooth gives way nearly twice as far as above one.
+    // Midway between two pins a tooth deflects nearly twice as far as above one.
     assert!(expected[(3, 3)] > 1.8 * expected[(0, 0)]);
 }
 

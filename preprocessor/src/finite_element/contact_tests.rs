@@ -204,7 +204,7 @@ fn a_ring_carries_its_torque_on_the_end_of_its_face() {
             position.solve_torque(torque, 3e-3, None).unwrap()
         });
         assert!(fine.kkt_residual < 1e-8, "{}", fine.kkt_residual);
-        // Teeth give way by 37 um at the end of the face. The load there falls off over some five segments;
+        // Teeth deflect by 37 um at the end of the face. The load there falls off over some five segments;
         // segments a quarter longer follow it within a hundredth.
         let end = |r: &crate::static_contact::ContactResult| r.approach + 3e-3 * 10e-3;
         assert_relative_eq!(end(&fine), end(&coarse), max_relative = 1e-2);

@@ -1,4 +1,4 @@
-//! The body of a gear between its teeth and where it is held: its rings, the shaft it may be cut from, and estimates of how far it gives way.
+//! The body of a gear between its teeth and where it is held: its rings, the shaft it may be cut from, and estimates of how far it deflects.
 
 use std::f64::consts::PI;
 

@@ -280,7 +280,7 @@ pub(super) fn in_gear(i: usize, name: &str) -> String {
     format!("gear{}.{name}", i + 1)
 }
 
-/// Torques on gear 1 other than 0, N m. Below, the rounding of lengths outweighs what the teeth give way.
+/// Torques on gear 1 other than 0, N m. Below, the rounding of lengths outweighs the deflection of the teeth.
 pub const TORQUES: [f64; 2] = [1e-9, 1e9];
 
 /// Checks every field of the file by itself.

@@ -82,7 +82,7 @@ const USUAL_LOADS: [f64; 2] = [0.3e6, 1e9];
 /// times as high.
 const IMPOSSIBLE_LOAD: f64 = 0.02;
 
-/// Refuses torques that no teeth of the material could carry; notes where hardly any load is, and where teeth give way so far that
+/// Refuses torques that no teeth of the material could carry; notes where hardly any load is, and where teeth deflect so far that
 /// linear elasticity ends.
 pub(super) fn check_torques(
     file: &PairFile,
@@ -122,7 +122,7 @@ pub(super) fn check_torques(
     let deflection = maximum / per_load(shared) / (STIFFNESS_OVER_MODULUS * both);
     let large = (deflection > LARGEST_DEFLECTION).then(|| {
         format!(
-            "under `operating.maximum_torque_nm` = {maximum} the teeth give way by some {:.0} % of the module, beyond linear elasticity, \
+            "under `operating.maximum_torque_nm` = {maximum} the teeth deflect by some {:.0} % of the module, beyond linear elasticity, \
              from which all results are; it holds up to {:.0} %",
             100.0 * deflection,
             100.0 * LARGEST_DEFLECTION

@@ -28,7 +28,7 @@ pub(super) fn of_pair(
     both(one, two).map(|(one, two)| [one, two])
 }
 
-/// A note on shafts that give way by more than teeth can follow, as one that is overhung by mistake.
+/// A note on shafts that deflect by more than teeth can follow, as one that is overhung by mistake.
 pub(super) fn note(
     file: &PairFile,
     geometry: &PairGeometry,
@@ -53,7 +53,7 @@ pub(super) fn note(
         })
     });
     Some(format!(
-        "under `operating.maximum_torque_nm` = {torque} shafts and bearings give way by {} um along the line of action, {:.0} % of the \
+        "under `operating.maximum_torque_nm` = {torque} shafts and bearings deflect by {} um along the line of action, {:.0} % of the \
          module; check `z_mm`, `start_mm`, diameters and stiffnesses of `shaft`{}",
         fixed(largest / UM, 0),
         100.0 * largest / module,

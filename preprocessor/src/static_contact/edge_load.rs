@@ -21,7 +21,7 @@ const AT_RELIEF: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 const BISECTIONS: usize = 12;
 
 /// How far contact on bent teeth moves at most along the profile, over the approach for which tip edges are followed: a tooth two modules high
-/// that gives way by the approach is tilted by half of it over the module, flanks have radii of up to ten modules.
+/// that deflects by the approach is tilted by half of it over the module, flanks have radii of up to ten modules.
 const MOVES_OVER_APPROACH: f64 = 5.0;
 
 /// What a segment bears at one position.

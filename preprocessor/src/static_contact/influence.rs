@@ -1,4 +1,4 @@
-//! How segments give way to each other's forces, and where the bulk ends and the local contact begins.
+//! How segments deflect under each other's forces, and where the bulk ends and the local contact begins.
 //!
 //! With c = sum of 2 (1 - nu²) / (pi E), a segment of the length l and the line load w, the local contact
 //! h(w) = c w (ln(2 L / b) + 1/2) and the segment's own entry A_ii of the bulk matrix act as one: the model stays
@@ -8,7 +8,7 @@
 //! contacts of the pair's loads ask for.
 //!
 //! A load that changes from segment to segment faster than the elements resolve, or within the width of contact,
-//! leaves the bulk nothing to give away: there the discretisation gives way. What is taken off the bulk is
+//! leaves the bulk nothing to give away: there the discretisation deflects. What is taken off the bulk is
 //! then not D = c ln(L' / L) / l alone but theta D + (1 - theta) S' D S, S the mean of the line load over
 //! neighbours on the same contact line, weighted with their lengths. For loads that are smooth along the
 //! line this is D, and the sum of bulk and local contact as before; for rough ones a part of the local law's D
@@ -26,7 +26,7 @@ use gearmesh::root::bracket;
 /// know no load that alternates within a layer. Measured: least at which the bulk stays positive definite at all levels.
 const SMOOTHING_OVER_LAYER: f64 = 1.5;
 
-/// The same over the reference length L. A half-space under a line load of the wavelength 2 l gives way
+/// The same over the reference length L. A half-space under a line load of the wavelength 2 l deflects
 /// by c (ln(2 l / (pi L)) - 0.577): nothing is left at l = 2.8 L.
 const SMOOTHING_OVER_REFERENCE: f64 = 3.0;
 
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_load_on_a_line_gives_way_as_before_however_finely_it_is_cut() {
+    fn an_even_load_on_a_line_deflects_as_before_however_finely_it_is_cut() {
         for count in [4_usize, 40] {
             let length = 8e-3 / count as f64;
             let segments: Vec<Piece> = (0..count)

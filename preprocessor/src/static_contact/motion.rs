@@ -71,7 +71,7 @@ struct Strip {
     moved: [[Segment; 2]; 2],
 }
 
-/// Strips of the segments of a position a step along the profile from them, and how they give way.
+/// Strips of the segments of a position a step along the profile from them, and how they deflect.
 pub struct Beside<'a> {
     pieces: &'a [Piece],
     strips: Vec<Strip>,
@@ -125,7 +125,7 @@ impl<'a> Beside<'a> {
         }
     }
 
-    /// Adds how a gear gives way, and returns its bulk matrix, lower triangle, m/N.
+    /// Adds how a gear deflects, and returns its bulk matrix, lower triangle, m/N.
     pub fn add(&mut self, of: &OfGear<'_>) -> Result<DMatrix<f64>, BeyondModel> {
         let (n, count) = (of.segments.len(), self.strips.len());
         let lines = self.strips.last().map_or(0, |strip| strip.line + 1);

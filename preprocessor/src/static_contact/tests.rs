@@ -90,8 +90,8 @@ fn solves_that_end_with_a_step_along_tangents_are_within_1e_5_and_take_fewer_ste
     }
 }
 
-/// A flank that gives way by `compliance` f(x) f(y) (m) at x under one newton at y, both arcs of the involute from its base circle (m); as the
-/// gear turns it gives way to forces near its tip most.
+/// A flank that deflects by `compliance` f(x) f(y) (m) at x under one newton at y, both arcs of the involute from its base circle (m); as the
+/// gear turns it deflects under forces near its tip most.
 struct Smooth {
     base_radius: f64,
     compliance: f64,

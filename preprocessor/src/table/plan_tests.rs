@@ -217,7 +217,7 @@ impl StaticSource for Wedge {
 }
 
 #[test]
-fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
+fn a_tilt_far_beyond_the_deflection_of_the_teeth_still_has_a_table() {
     let pair = spur_pair();
     for range in [[-6e-3, 6e-3], [-20e-3, 20e-3], [-5e-3, 8e-3], [0.0, 10e-3]] {
         let coverage = Coverage {

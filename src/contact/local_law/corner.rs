@@ -1,8 +1,8 @@
-//! How much more teeth give way at their tip edges.
+//! How much more teeth deflect at their tip edges.
 
 use std::f64::consts::PI;
 
-/// Tip corner of one gear: how much more the tooth gives way close to its tip edge than a half-plane.
+/// Tip corner of one gear: how much more the tooth deflects close to its tip edge than a half-plane.
 ///
 /// The tooth is a wedge there, 1 + r times as soft (docs/theory/compliance.md): loads at the distances x and y from the edge give
 /// way to each other by -r c_g ln(x + y) more than on a half-plane. The elastic model resolves this down to the size of its
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_closer_to_the_edge_than_the_elements_resolve_gives_way_more() {
+    fn only_what_is_closer_to_the_edge_than_the_elements_resolve_deflects_more() {
         let corner = Corner::new(2.1, 4e-12, 0.05e-3);
         assert_eq!(corner.compliance(8e-5, 8e-5), 0.0);
         assert!(corner.compliance(1e-5, 1e-5) > 0.0);

@@ -31,12 +31,12 @@ const LARGEST_HALF_WIDTH_OVER_RADIUS: f64 = 0.15;
 /// Contacts solved between the end of the law of Hertz and the tangent. Measured: line loads within 1e-3, at a relief within 5e-3.
 const NODES: usize = 12;
 
-/// How one gear gives way close to the contact.
+/// How one gear deflects close to the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalBody {
     /// (1 - nu²) / E, 1/Pa.
     pub plane_compliance: f64,
-    /// How much more the tooth gives way at its tip edge than a half-plane.
+    /// How much more the tooth deflects at its tip edge than a half-plane.
     pub corner: Corner,
 }
 

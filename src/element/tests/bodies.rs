@@ -6,7 +6,7 @@ use crate::gear::teeth::Counts;
 use crate::gear::{BodyOrder, BodyOrders, PairGeometry, TurningBodies};
 use crate::table::{Potential, Query};
 
-/// A body of gear `gear` that gives way to forces alone, `size` (m/N) times the cosine of `order` times its angle.
+/// A body of gear `gear` that deflects under forces alone, `size` (m/N) times the cosine of `order` times its angle.
 fn plain(gear: usize, order: u32, size: f64) -> BodyOrders {
     let part = BodyOrder {
         order,
@@ -35,7 +35,7 @@ fn turned(element: &Element, pair: &PairGeometry, s: f64, cycles: f64, delta: f6
 /// In series: at the same force the approach is longer by the compliance of the body at its angle, on either flank and for the body of
 /// either gear, turn after turn.
 #[test]
-fn teeth_on_a_body_approach_by_what_it_gives_way_under_their_force() {
+fn teeth_on_a_body_approach_by_its_deflection_under_their_force() {
     const SIZE: f64 = 0.5e-9;
     let pairs = [1.0, -1.0].map(three_pairs).into_iter().flatten();
     for pair in pairs {

@@ -229,7 +229,7 @@ const SHAPE_LEVELLING: f64 = 0.5;
 const SPAN_LEVELLING: f64 = 1.25;
 
 /// How often the levelling length of the shape is halved where the fit would have to give up more than this share of the largest force for it: at an
-/// end far beyond what the teeth give way, where they barely touch.
+/// end far beyond the deflection of the teeth, where they barely touch.
 const HALVINGS: i32 = 6;
 const MOST_GIVEN_UP: f64 = 4e-3;
 

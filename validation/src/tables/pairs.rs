@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 const MODULES: [f64; 2] = [0.3, 30.0];
 /// Tangential force at the nominal torque over face width and module, MPa.
 const LOADS: [f64; 2] = [15.0, 60.0];
-/// What teeth give way under a force per face width, N/(mm um): stiffness for the size of modifications.
+/// How far teeth deflect under a force per face width, N/(mm um): stiffness for the size of modifications.
 const STIFFNESS: f64 = 18.0;
 /// Largest misalignments, mrad.
 const MISALIGNMENTS: [f64; 2] = [0.4, 2.5];

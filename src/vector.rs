@@ -1,4 +1,4 @@
-//! Sums over rows of a few numbers in vector registers: four lanes with AVX, else two.
+//! Sums over rows of a few numbers, and over columns, in vector registers: four lanes with AVX, else two.
 //!
 //! Both do the same operations in the same order, without fused multiply-add, so results are the same to the bit on
 //! every machine. Besides the C interface, this is the one file with unsafe code.

@@ -211,13 +211,13 @@ pub fn on_shafts<'r>(case: Option<&Case>) -> Vec<Column<'static, Row<'r>>> {
         "shaft_misalignment_mrad", ["M shafts", "mrad", 4] => c.shafts.as_ref().map(|s| 1e3 * s.misalignment);
         "shaft_bow_um", ["bow", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.bow());
         "shaft_torsion_um", ["torsion", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.torsion_over_face());
-        "shaft_approach_loa_um", ["deflection", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.approach);
+        "shaft_approach_loa_um", ["shafts deflect", "um", 3] => c.shafts.as_ref().map(|s| 1e6 * s.approach);
     }
 }
 
 pub const SHAFT_LEGEND: &str = "\
 With shafts on bearings. M shafts: misalignment of the axes at mid-face under load; bow: how much less bending closes both ends of
-the face than its middle; torsion: how much more twist closes the end of large z; deflection: displacement on the line of action at
+the face than its middle; torsion: how much more twist closes the end of large z; shafts deflect: displacement on the line of action at
 mid-face through shafts and bearings, twist up to where the torques enter included. It is not in the STE, which is that of the teeth
 and bodies at mid-face.
 ";

@@ -86,8 +86,8 @@ pub trait ToothCompliance: Send + Sync {
         Ok(None)
     }
 
-    /// Distance from the tip edge, m, down to which the model holds how a tooth deflects under a load: a load closer to the edge
-    /// deflects in it as one at this distance. Zero for a model of half-planes, which knows no edge.
+    /// Distance from the tip edge, m, down to which the model holds how a tooth deflects under a load: under one closer to the
+    /// edge it deflects as under one at this distance. Zero for a model of half-planes, which knows no edge.
     fn corner_resolution(&self) -> f64 {
         0.0
     }

@@ -76,7 +76,7 @@ pub struct Solution {
     /// Where contact has moved to; `None`: it stays.
     pub placed: Option<Placed>,
     response: Option<Response>,
-    /// Relative error of its response.
+    /// Relative error to which its response is repeated.
     tolerance: f64,
     /// What it exceeds: a pressure that no flank carries, or the approach for which tip edges were followed.
     pub excess: Option<Failure>,
@@ -112,14 +112,14 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 struct Factored {
     active: Vec<usize>,
     factor: Factor,
-    /// Share of a residual that a step by it leaves: about the relative residual where it was made, and what a step did leave.
-    leaves: f64,
+    /// Share of a residual that a step by it leaves: the larger of the relative residual where it was made and of what a step did leave.
+    contraction: f64,
 }
 
 impl Factored {
     /// Whether it is that of the segments `active`, and a step by it leaves no more than `share`.
     fn serves(&self, active: &[usize], share: f64) -> bool {
-        self.active == active && self.leaves <= share
+        self.active == active && self.contraction <= share
     }
 }
 
@@ -150,6 +150,8 @@ impl Problem<'_> {
         let free = matches!(self.target, Target::Approach(_));
         let mut balanced = free;
         let enough = TOLERANCE.max(self.last_step_from.powi(2));
+        // A step along tangents needs the factor of those, and an exact solve is to end at rounding.
+        let shares = self.last_step_from > 0.0 && self.movable.is_some();
         let mut known: Option<Factored> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
             if residual.is_nan() {
@@ -176,9 +178,11 @@ impl Problem<'_> {
                 continue;
             }
             let system = self.system(&placed);
-            let factored = match known.take() {
-                Some(known) if known.serves(&active, enough / residual) => known,
-                _ => self.factored(system, &at, active, residual)?,
+            let known_serves =
+                |known: &Factored| shares && known.serves(&active, enough / residual);
+            let factored = match known.take().filter(known_serves) {
+                Some(known) => known,
+                None => self.factored(system, &at, active, residual)?,
             };
             let Factored { factor, active, .. } = &factored;
             // Places that follow the forces.
@@ -189,8 +193,7 @@ impl Problem<'_> {
             if residual < self.last_step_from
                 && let Some(last) = self.along_tangents(system, &at, &step)
             {
-                let left = residual * factored.leaves;
-                return Ok(self.solution(last, factored, iteration + 1, left));
+                return Ok(self.solution(last, factored, iteration + 1, residual * residual));
             }
             if response.is_some() {
                 // The whole step, as it will be; what counts is what it leaves at the new places.
@@ -211,7 +214,7 @@ impl Problem<'_> {
             let before = residual;
             residual = self.residual(self.system(&placed), &at);
             known = Some(Factored {
-                leaves: factored.leaves.max(residual / before),
+                contraction: factored.contraction.max(residual / before),
                 ..factored
             });
         }
@@ -323,7 +326,7 @@ impl Problem<'_> {
         Ok(Factored {
             active,
             factor,
-            leaves: residual,
+            contraction: residual,
         })
     }
 

@@ -1,7 +1,7 @@
 //! Bodies that are no solids of revolution, in series with the law of the mean body.
 //!
-//! At the coordinates x = (delta, theta) and y = (C, mesh position) the law W of the mean body stands at x', short of x by what the bodies
-//! deflect under its own force and moment g:
+//! At the coordinates x = (delta, theta) and y = (C, mesh position) the law W of the mean body stands at x', short of x by the deflection of
+//! the bodies under its own force and moment g:
 //!
 //! ```text
 //! x' = x - c g ,   g = dW/dx (x', y) ,   U(x, y) = W(x', y) + g' c g / 2

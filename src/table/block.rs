@@ -71,6 +71,7 @@ mod tests {
         let values = [4321.987654, -321.987654, 0.987654, 0.0004, -0.0004];
         let expected = [4322.0, -321.99, 0.988, 0.0, 0.0];
         assert_eq!(rounded_to_five(&values, 1e-6), expected);
+        assert!(rounded_to_five(&values, 1e-6)[4].is_sign_positive());
         assert_eq!(rounded(&values, 1e-6)[0], 4321.988);
     }
 }

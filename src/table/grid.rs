@@ -44,8 +44,8 @@ impl FlankGrid {
         }
     }
 
-    /// The samples as part of a file, rounded far below the error of interpolation: forces and moments to five digits, and not beyond
-    /// a millionth of the largest; approaches to a ten-millionth of the largest. That makes the file half as large.
+    /// The samples as part of a file, rounded below the error of interpolation: forces and moments to five digits (2e-5 of each, rms) but not
+    /// beyond a millionth of the largest, approaches to a ten-millionth of the largest. All digits would take more than twice the room.
     #[must_use]
     pub fn for_file(&self) -> FlankGrid {
         FlankGrid {

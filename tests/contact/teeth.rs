@@ -96,7 +96,7 @@ fn amplitude(signal: &[f64], order: usize) -> f64 {
     )
 }
 
-/// All other teeth stand back farther than the one that carries deflects: its root is under the whole load.
+/// All other teeth stand back farther than the deflection of the one that carries: its root is under the whole load.
 #[test]
 fn a_tooth_that_carries_alone_has_the_root_stress_of_the_whole_load() {
     let mut ready = ready(SPUR);

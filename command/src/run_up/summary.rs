@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::columns::{Listing, rows};
 use crate::page::{Curve, Figure, Height, Map, Section, Style, charts};
 
-/// rad/s.
+/// One revolution per minute, rad/s.
 pub const RPM: f64 = TAU / 60.0;
 const SPEED: &str = "speed of gear 1 (rpm)";
 /// Harmonics of the mesh frequency that are drawn.

@@ -188,7 +188,7 @@ impl Setup {
             geometry: changed.geometry,
             ..pair.clone()
         };
-        // Teeth of another thickness deflect otherwise.
+        // Teeth of another thickness deflect differently.
         let own = match pair.geometry == *model.solver.geometry() {
             true => None,
             false => Some(self.own_models(&pair)?),

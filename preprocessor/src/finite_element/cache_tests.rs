@@ -87,7 +87,7 @@ fn a_moved_node_another_quantity_and_another_version_have_keys_of_their_own() {
     assert_eq!(constants, [2e-7, 1e-7, 1_073_741_824.0, 32_000.0]);
     let of_body = [uneven::ELEMENTS, uneven::FINE, uneven::GROWTH];
     assert_eq!(of_body, [5.0, 1.1, 1.6]);
-    assert_eq!(VERSION, 10);
+    assert_eq!(VERSION, 11);
 }
 
 #[test]

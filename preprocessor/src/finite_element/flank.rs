@@ -197,7 +197,7 @@ fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
 /// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
 const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 
-/// Distance from the edge at which a load deflects at a tip corner as one that half a kernel spreads from the edge on, over
+/// Distance from the edge at which a load deflects the tip corner as much as one that half a kernel spreads from the edge on, over
 /// the half-width: half of exp of the mean of ln(x + y) over both.
 const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
 

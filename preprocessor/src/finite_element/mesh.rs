@@ -65,11 +65,13 @@ impl Layers {
         }
     }
 
-    /// Those above the plane at `z`, m, if it lies in the middle of them.
+    /// Those above the plane at `z`, m, if it lies between two layers and mirrors all.
     pub fn above(&self, z: f64) -> Option<Layers> {
         let middle = self.stations.len() / 2;
-        let is_middle = self.stations.len() % 2 == 1 && (self.stations[middle] - z).abs() < 1e-9;
-        is_middle.then(|| Layers {
+        let mut both = self.stations.iter().zip(self.stations.iter().rev());
+        let is_mirrored = self.stations.len() % 2 == 1
+            && both.all(|(low, high)| (low + high - 2.0 * z).abs() < 1e-9);
+        is_mirrored.then(|| Layers {
             stations: self.stations[middle..].to_vec(),
             face: 0..self.face.end - middle,
             body: self.body.map(|body| Body {
@@ -136,8 +138,8 @@ pub(super) struct Mesh {
     pub body: usize,
     /// Nodes that lie on faces of those, with the nodes of the face that move them and their shares.
     pub hanging: HashMap<usize, Vec<(usize, f64)>>,
-    /// Nodes on a plane of symmetry, with the components of their displacement that it holds.
-    pub guided: HashMap<usize, Range<usize>>,
+    /// Nodes on a plane of symmetry, with the components of their displacement that are zero there.
+    pub on_plane: HashMap<usize, Range<usize>>,
 }
 
 /// A round hole along the axis through elements that know nothing of it: where they are cut, the integration has many points (finite cell
@@ -323,14 +325,14 @@ impl Mesh {
         mesh
     }
 
-    /// Holds the components `held` of all nodes on the plane at `z`, m; loads on these components are left out.
-    pub fn guide(&mut self, z: f64, held: Range<usize>) {
+    /// Keeps `components` of the displacement of all nodes on the plane at `z` (m) at zero; loads along them are left out.
+    pub fn fix_on_plane(&mut self, z: f64, components: &Range<usize>) {
         let on_plane = (0..self.points.len()).filter(|node| self.points[*node][2] == z);
-        self.guided = on_plane.map(|node| (node, held.clone())).collect();
+        self.on_plane = on_plane.map(|node| (node, components.clone())).collect();
         for load in &mut self.loads {
             load.retain(|(unknown, _)| {
-                let of_node = self.guided.get(&(unknown / self.dimension));
-                of_node.is_none_or(|held| !held.contains(&(unknown % self.dimension)))
+                let fixed = self.on_plane.get(&(unknown / self.dimension));
+                fixed.is_none_or(|fixed| !fixed.contains(&(unknown % self.dimension)))
             });
         }
     }
@@ -366,8 +368,8 @@ impl Mesh {
         let moving = self.moving(element);
         let mut k = self.followed_stiffness(element, &moving);
         for (at, node) in moving.iter().enumerate() {
-            let held = self.guided.get(node).cloned().unwrap_or_default();
-            for unknown in held.map(|component| self.dimension * at + component) {
+            let fixed = self.on_plane.get(node).cloned().unwrap_or_default();
+            for unknown in fixed.map(|component| self.dimension * at + component) {
                 // Nothing moves an unknown that has a stiffness of its own and no load.
                 let own = k[(unknown, unknown)];
                 k.column_mut(unknown).fill(0.0);

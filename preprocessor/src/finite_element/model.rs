@@ -137,9 +137,9 @@ impl Model {
             move |stage: Stage, share: f64| progress(stage, 0.5 * (half as f64 + share))
         };
         let mut sectors = Vec::new();
-        for (half, held) in mirror::HELD.into_iter().enumerate() {
+        for (half, fixed) in mirror::FIXED.iter().enumerate() {
             let mut mesh = Mesh::new(&self.gear, &self.outline, &self.section, Some(upper));
-            mesh.guide(upper.stations[0], held);
+            mesh.fix_on_plane(upper.stations[0], fixed);
             sectors.push(self.condensed(&mesh, &mesh.loads, mesh.loads.len(), &of_half(half))?);
         }
         let mut halves = Vec::new();

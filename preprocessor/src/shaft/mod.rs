@@ -9,7 +9,7 @@
 //! and the load on the shafts is its transpose, so that work is kept. Contact beside the pitch line, at the distance y along the path, has
 //! the additional lever sigma y on the slope of the axes, as a misalignment has.
 //!
-//! The body of a gear moves with its shaft at every z; the shaft has the section of the body where that sits. What teeth and body
+//! The body of a gear moves with its shaft at every z; the shaft has the section of the body where that sits. How far teeth and body
 //! deflect against the shaft is the finite-element model's, with the gear held at its bore.
 
 mod beam;

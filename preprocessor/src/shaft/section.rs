@@ -56,7 +56,7 @@ impl Rigidity {
     }
 }
 
-/// Where the thinner section beside a shoulder deflects more than by its length.
+/// Where the thinner section beside a shoulder is softer than its length makes it.
 pub struct Shoulder {
     /// Ends of this part of the thinner section, m.
     pub z: [f64; 2],
@@ -66,7 +66,7 @@ pub struct Shoulder {
 
 /// The shoulders of `shaft`, those of its gear among them.
 ///
-/// The end of the thicker section deflects as so much more length of the thinner one. Beside a half-space it is that of a rigid disc
+/// The end of the thicker section acts as so much more length of the thinner one. Beside a half-space it is that of a rigid disc
 /// on it, which tilts by 3 (1 - nu) M / (8 G r³), moves by (2 - nu) F / (8 G r) and turns by 3 T / (16 G r³) (Johnson, Contact Mechanics,
 /// sections 3.6 to 3.9); with q = r/R the ratio of the radii it is 1 - 4 q³ + 3 q⁴ of that, in shear (1 - q)², as if the section grew from
 /// one radius to the other at 45 degrees. Taken with the thinner section, so that the teeth above the shoulder keep the shape

@@ -358,7 +358,7 @@ fn textbook_shaft(nu: f64) -> Vec<(&'static str, [f64; 2], [f64; 2])> {
 
 #[test]
 fn a_stepped_shaft_bends_as_in_a_textbook_where_shear_and_shoulders_do_not_deflect() {
-    // Towards Poisson's ratio -1 the shear modulus has no bound: shoulders are rigid, and shear deflects by a ninth of steel's, since
+    // Towards Poisson's ratio -1 the shear modulus has no bound: shoulders are rigid, and deflection by shear is a ninth of steel's, since
     // Cowper's factor falls too. What the textbook's beams leave out altogether.
     for (place, stated, found) in textbook_shaft(-1.0 + 1e-9) {
         for plane in 0..2 {

@@ -8,7 +8,7 @@
 //! contacts of the pair's loads ask for.
 //!
 //! A load that changes from segment to segment faster than the elements resolve, or within the width of contact,
-//! leaves the bulk nothing to give away: there the discretisation deflects. What is taken off the bulk is
+//! leaves the bulk nothing to be taken off: there the discretisation is what yields. What is taken off the bulk is
 //! then not D = c ln(L' / L) / l alone but theta D + (1 - theta) S' D S, S the mean of the line load over
 //! neighbours on the same contact line, weighted with their lengths. For loads that are smooth along the
 //! line this is D, and the sum of bulk and local contact as before; for rough ones a part of the local law's D
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_load_on_a_line_deflects_as_before_however_finely_it_is_cut() {
+    fn the_line_under_an_even_load_deflects_as_before_however_finely_it_is_cut() {
         for count in [4_usize, 40] {
             let length = 8e-3 / count as f64;
             let segments: Vec<Piece> = (0..count)

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use approx::assert_relative_eq;
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::DMatrix;
 
 use super::{ContactSolver, PositionProblem, Resultant};
 use crate::compliance::{BeyondModel, ToothCompliance};
+use crate::finite_element::{PairCompliance, Settings};
+use crate::gear::Refinement;
 use gearmesh::contact::{ContactSettings, Prescribed, Segment};
 use gearmesh::gear::Flank;
 
@@ -86,6 +88,55 @@ fn solves_that_end_with_a_step_along_tangents_are_within_1e_5_and_take_fewer_ste
                 known = [Some(last), known[0].take()];
             }
         }
+        assert!(4 * steps[1] < 3 * steps[0], "{steps:?}");
+    }
+}
+
+#[test]
+fn solves_on_bent_teeth_that_start_from_each_other_are_within_1e_5_and_their_derivatives_within_3e_3()
+ {
+    let mut pair = crate::pair::from_json(FZG).unwrap();
+    pair.refinement = Refinement::Coarse;
+    // Teeth that bend far.
+    for gear in &mut pair.geometry.gears {
+        gear.youngs_modulus *= 0.05;
+    }
+    let top = 0.1 * pair.operating.maximum_torque;
+    let models = PairCompliance::of(&pair, &Settings::for_pair(&pair), None, &|_, _, _| true);
+    let models = models
+        .unwrap()
+        .gears
+        .map(|gear| -> Arc<dyn ToothCompliance> { gear });
+    let solver = ContactSolver::new(&pair, models, ContactSettings::default()).unwrap();
+    let half_face = 0.5 * pair.geometry.face_overlap().1;
+    for (position, misalignment) in [(0.3, 0.0), (0.8, 1e-3)] {
+        let mut problems = [0, 1].map(|_| solver.position(Flank::Drive, position, 0.0).unwrap());
+        assert!(problems[1].contact.moves());
+        problems[1].contact.last_step_from = 3e-3;
+        let [exact, quick] = problems.each_ref().map(|problem| {
+            let torque = Prescribed::Torque(top);
+            let mut results = vec![problem.resultant(torque, misalignment, [None; 2]).unwrap()];
+            let low = problem.no_load_approach(misalignment);
+            let high = results[0].approach;
+            for part in (1..14).rev().map(|k| (f64::from(k) / 14.0).powi(2)) {
+                let approach = Prescribed::Approach(low + part * (high - low));
+                let known = [results.last(), results.iter().rev().nth(1)];
+                results.push(problem.resultant(approach, misalignment, known).unwrap());
+            }
+            results
+        });
+        let bound = 1e-5 * exact[0].loa_force;
+        for (exact, quick) in exact.iter().zip(&quick).skip(1) {
+            // At the same approach.
+            let by = exact.approach - quick.approach;
+            let force = quick.loa_force + by * quick.tangent.force_by_approach;
+            assert_abs_diff_eq!(force, exact.loa_force, epsilon = bound);
+            let moment = quick.moment + by * quick.tangent.force_by_misalignment;
+            assert_abs_diff_eq!(moment, exact.moment, epsilon = bound * half_face);
+            let [found, expected] = [quick, exact].map(|x| x.tangent.force_by_approach);
+            assert_relative_eq!(found, expected, max_relative = 3e-3);
+        }
+        let steps = [&exact, &quick].map(|all| all.iter().map(|x| x.iterations).sum::<usize>());
         assert!(4 * steps[1] < 3 * steps[0], "{steps:?}");
     }
 }

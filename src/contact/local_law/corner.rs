@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 /// Tip corner of one gear: how much more the tooth deflects close to its tip edge than a half-plane.
 ///
-/// The tooth is a wedge there, 1 + r times as soft (docs/theory/compliance.md): loads at the distances x and y from the edge give
-/// way to each other by -r c_g ln(x + y) more than on a half-plane. The elastic model resolves this down to the size of its
+/// The tooth is a wedge there, 1 + r times as soft (docs/theory/compliance.md): loads at the distances x and y from the edge
+/// displace each other by -r c_g ln(x + y) more than on a half-plane. The elastic model resolves this down to the size of its
 /// elements; for a contact nearer to the edge, or wider, the difference is added to the local law. The mean of ln(x + y) under
 /// the pressure of a flat punch is ln(2 m) within 0.22, m the distance of its middle from the edge, so that
 /// dh/dw = c ln(2 L / a) + r c_g ln(d / m), d that of the contact line, no less than what the elements resolve. Measured: single

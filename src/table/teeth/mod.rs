@@ -14,7 +14,7 @@
 //!
 //! sum of (a_k - b_k) F_k - W1(a_k) + sum over every two of c_|j-k| F_j F_k
 //!
-//! is least, which is convex in F while the deflection of a tooth pair exceeds the least eigenvalue of the c, negative
+//! is least, which is convex in F while the compliance of a tooth pair exceeds the least eigenvalue of the c, negative
 //! ([`TeethRecord::check_gain`]). Newton's iteration finds it, its steps shortened until this energy falls.
 
 // Loops over a few tooth pairs and coordinates read best by index, in step through several arrays.
@@ -347,8 +347,8 @@ impl Coupling {
     }
 }
 
-/// Largest part of the deflection of tooth pairs that others take, at the nodes of `grid`, whose places are `length` base pitches
-/// long: minus the least eigenvalue of the compliances between all in mesh, each over the lesser deflection of both. NaN if one is.
+/// Largest part of the compliance of tooth pairs that others take, at the nodes of `grid`, whose places are `length` base pitches
+/// long: minus the least eigenvalue of the compliances between all in mesh, each over the least compliance of both. NaN if one is.
 fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling, length: f64) -> f64 {
     let axes = &grid.axes;
     let places = &axes.mesh_position;

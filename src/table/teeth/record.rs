@@ -191,7 +191,7 @@ impl TeethRecord {
         self.named_coupling(flank).1.iter().map(row).collect()
     }
 
-    /// Refuses a coupling on `flank` that is too large: of loads that cancel, the others must take less than the deflection of a tooth pair.
+    /// Refuses a coupling on `flank` that is too large: of loads that cancel, the others must take less than a tooth pair deflects under its own.
     /// `gain`: the largest ratio of the two.
     pub(super) fn check_gain(&self, flank: Flank, gain: f64) -> Result<(), TableError> {
         if gain <= LARGEST_GAIN {
@@ -203,7 +203,7 @@ impl TeethRecord {
             format!("teeth.{name}"),
             format!("{largest:.3e}"),
             format!(
-                "other tooth pairs would take {gain:.2} times the deflection of one, and only below {LARGEST_GAIN} are loads \
+                "other tooth pairs would take {gain:.2} times what one deflects under its own load, and only below {LARGEST_GAIN} are loads \
                  distinct; for this pair build without --teeth, with --contact, and set stiffnessModel = contact"
             ),
         )

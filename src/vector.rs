@@ -1,4 +1,4 @@
-//! Sums over rows of a few numbers, and over columns, in vector registers: four lanes with AVX, else two.
+//! Sums over rows of a few numbers in vector registers: four lanes with AVX, else two.
 //!
 //! Both do the same operations in the same order, without fused multiply-add, so results are the same to the bit on
 //! every machine. Besides the C interface, this is the one file with unsafe code.
@@ -107,23 +107,6 @@ fn combine_four<const ADD: bool>(out: &mut [f64; 4], factor: f64, row: &[f64; 4]
         }
         _mm256_storeu_pd(out.as_mut_ptr(), sum);
     }
-}
-
-/// Adds to `out` the columns of `matrix`, one after the other as long as `out`, each times the weight that `weights` give it.
-pub fn add_columns(
-    out: &mut [f64],
-    matrix: &[f64],
-    weights: impl IntoIterator<Item = (usize, f64)>,
-) {
-    let length = out.len();
-    Lanes::widest().run(
-        #[inline(always)]
-        |lanes| {
-            for (column, weight) in weights {
-                lanes.combine::<true>(out, weight, &matrix[column * length..][..length]);
-            }
-        },
-    );
 }
 
 /// Sum of products, by two lanes that are summed at the end.

@@ -19,7 +19,6 @@ use super::bulk::Motion;
 use super::candidates::Candidate;
 use super::gap::GapProfile;
 use super::local_law::POINTS;
-use crate::vector::add_columns;
 
 /// The segments of a position, which may move.
 #[derive(Clone, Copy)]
@@ -149,9 +148,11 @@ impl System<'_> {
 /// `matrix` times `forces`, most of which are zero.
 fn product(matrix: &DMatrix<f64>, forces: &DVector<f64>) -> DVector<f64> {
     let mut out = DVector::zeros(matrix.nrows());
-    let acting = forces.iter().copied().enumerate();
-    let acting = acting.filter(|(_, force)| *force != 0.0);
-    add_columns(out.as_mut_slice(), matrix.as_slice(), acting);
+    for (column, force) in matrix.column_iter().zip(forces) {
+        if *force != 0.0 {
+            out.axpy(*force, &column, 1.0);
+        }
+    }
     out
 }
 

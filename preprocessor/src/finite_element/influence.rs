@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gearmesh::vector::{Lanes, add_columns};
+use gearmesh::vector::Lanes;
 use nalgebra::DMatrix;
 
 use super::cache::Stored;
@@ -102,14 +102,22 @@ fn compact(weights: &[&Weights]) -> (Vec<usize>, Vec<Weights>) {
 
 /// The columns of `matrix` in combinations of the weights `weights`.
 fn combined(matrix: &DMatrix<f64>, weights: &[Weights]) -> DMatrix<f64> {
-    let mut sums = DMatrix::zeros(matrix.nrows(), weights.len());
-    for (weights, mut sums) in weights.iter().zip(sums.column_iter_mut()) {
-        add_columns(
-            sums.as_mut_slice(),
-            matrix.as_slice(),
-            weights.iter().copied(),
-        );
-    }
+    let n = matrix.nrows();
+    let mut sums = DMatrix::zeros(n, weights.len());
+    Lanes::widest().run(
+        #[inline(always)]
+        |_| {
+            for (weights, mut sums) in weights.iter().zip(sums.column_iter_mut()) {
+                let sums = sums.as_mut_slice();
+                for (column, weight) in weights {
+                    let column = &matrix.as_slice()[column * n..][..n];
+                    for (sum, value) in sums.iter_mut().zip(column) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+        },
+    );
     sums
 }
 

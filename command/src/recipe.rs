@@ -84,7 +84,6 @@ pub fn compute(
     output::check_writable(output, [path])?;
     let job = args.start()?;
     let progress = &|stage: &str, share| job.show(stage, share);
-    recipe.check_on_coarse_model(&pair, &settings, progress)?;
     let models = ElasticModels::new(&pair, &settings, progress)?;
     let effort = args.effort(models.seconds, &models.origins);
     let made = recipe.compute(&models, progress)?;

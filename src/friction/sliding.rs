@@ -38,6 +38,15 @@ impl Sliding {
         [self.share, self.share_z, self.distance, self.weight]
     }
 
+    /// Mirrored at mid-face.
+    #[must_use]
+    pub fn mirrored(&self) -> Sliding {
+        Sliding {
+            share_z: -self.share_z,
+            ..*self
+        }
+    }
+
     /// Mean of the distances of `all`, m.
     pub fn mean_distance(all: &[Sliding]) -> f64 {
         all.iter().map(|s| s.distance).sum::<f64>() / all.len() as f64

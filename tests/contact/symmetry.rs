@@ -126,6 +126,39 @@ fn a_spur_pair_is_its_own_mirror_image_under_misalignment() {
 }
 
 #[test]
+fn samples_of_a_spur_pair_are_solved_at_misalignments_of_one_sign_and_mirrored_to_the_other() {
+    let axes = Axes {
+        displacement_fraction: vec![0.3, 1.0],
+        center_distance_offset: vec![20e-6],
+        misalignment: vec![-0.5e-3, -0.2e-3, 0.0, 0.5e-3],
+        mesh_position: vec![0.1, 0.7],
+    };
+    let sloped = SPUR.replace(r#""teeth": 16,"#, r#""teeth": 16, "lead_slope_um": 5.0,"#);
+    for (text, rows) in [(SPUR, 3), (&sloped, 4), (HELICAL, 4)] {
+        let pair = pair::from_json(text).unwrap();
+        let solver = coarse_solver(&pair, with_stations(16));
+        assert_eq!(solver.is_mirrored_at_mid_face(), rows == 3);
+        let watched = WatchedSolver::new(&solver, None);
+        let torque = pair.operating.maximum_torque;
+        let grid = sweep(&watched, Flank::Drive, &axes, torque, QUIET).unwrap();
+        assert_eq!(watched.quality().solves, rows * 2 * 2);
+        let moment = grid.moment.as_ref().unwrap();
+        let (top_force, top_moment) =
+            (grid.top_force(), moment.iter().copied().fold(0.0, f64::max));
+        for (i, (force, moment)) in grid.loa_force.iter().zip(moment).enumerate() {
+            let q = grid.query([0, i / 4, i / 2 % 2, i % 2]);
+            let problem = solver.position(Flank::Drive, q.mesh_position, q.center_distance_offset);
+            let exact = problem
+                .unwrap()
+                .solve_approach(q.delta, q.misalignment, None);
+            let exact = Resultant::from(&exact.unwrap());
+            assert_abs_diff_eq!(*force, exact.loa_force, epsilon = 1e-5 * grid.top_force());
+            assert_abs_diff_eq!(*moment, exact.moment, epsilon = 1e-5 * top_moment);
+        }
+    }
+}
+
+#[test]
 fn positions_one_base_pitch_apart_are_the_same() {
     let pair = text("external", 15.0, false);
     for [tau, force, m] in CASES {

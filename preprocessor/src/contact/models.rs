@@ -10,7 +10,7 @@ use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
 
 use crate::finite_element::{
-    FiniteElementError, ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, cut_pair,
+    FiniteElementError, ModelCache, Origin, PairCompliance, RootStress, Settings, Stage,
     pair_root_stress,
 };
 
@@ -43,19 +43,6 @@ impl ModelSettings {
         ContactSettings {
             stations: self.stations.unwrap_or(settings.stations),
             ..settings
-        }
-    }
-
-    /// Whether the cache holds the models of both gears of `pair`, sound or not.
-    ///
-    /// # Errors
-    /// Those of gears that cannot be meshed.
-    pub fn are_cached(&self, pair: &Pair) -> Result<bool, FiniteElementError> {
-        match &self.cache {
-            Some(cache) => {
-                PairCompliance::is_kept(&cut_pair(pair), &self.finite_elements(pair), cache)
-            }
-            None => Ok(false),
         }
     }
 

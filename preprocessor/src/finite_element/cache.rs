@@ -137,11 +137,6 @@ impl ModelCache {
         Ok(models.len())
     }
 
-    /// Whether what is computed of `model` is there, sound or not.
-    pub(super) fn holds(&self, model: &Model) -> bool {
-        self.path(&key(model, "")).exists()
-    }
-
     fn path(&self, key: &[u8]) -> PathBuf {
         self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
     }

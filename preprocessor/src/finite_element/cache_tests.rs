@@ -1,10 +1,10 @@
 use super::*;
 use crate::compliance::ToothCompliance;
 use crate::finite_element::tests::{plane, segment};
-use crate::finite_element::{FiniteElementCompliance, PairCompliance, Settings};
+use crate::finite_element::{FiniteElementCompliance, Settings};
 use crate::gear::Refinement;
 use crate::samples;
-use gearmesh::gear::{Gear, GearKind, PairGeometry};
+use gearmesh::gear::{Gear, GearKind};
 use nalgebra::DMatrix;
 
 fn gear(teeth: u32) -> Gear {
@@ -88,23 +88,6 @@ fn a_moved_node_another_quantity_and_another_version_have_keys_of_their_own() {
     let of_body = [uneven::ELEMENTS, uneven::FINE, uneven::GROWTH];
     assert_eq!(of_body, [5.0, 1.1, 1.6]);
     assert_eq!(VERSION, 11);
-}
-
-#[test]
-fn a_pair_is_kept_once_both_models_are() {
-    let directory = tempfile::tempdir().unwrap();
-    let cache = cache(directory.path());
-    let pair = PairGeometry {
-        gears: [20, 21].map(gear),
-        center_distance: 0.1,
-    };
-    let kept = || PairCompliance::is_kept(&pair, &settings(), &cache).unwrap();
-    let kept = [20, 21].map(|teeth| {
-        let before = kept();
-        get(&gear(teeth), &cache);
-        [before, kept()]
-    });
-    assert_eq!(kept, [[false, false], [false, true]]);
 }
 
 #[test]

@@ -43,7 +43,6 @@ pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
 pub use gear_model::FiniteElementCompliance;
 pub use model::{Progress, Stage, centre_line_compliance, sector_section, sector_unknowns};
-pub(crate) use pair_models::cut_pair;
 pub use pair_models::{PairCompliance, PairModels, pair_root_stress};
 pub use root_stress::{RootStress, SpreadSegments};
 pub use settings::{Discretization, Settings};

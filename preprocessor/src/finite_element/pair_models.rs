@@ -7,7 +7,7 @@ use gearmesh::gear::{Flank, Gear, PairGeometry};
 use super::cache::{ModelCache, Origin};
 use super::error::FiniteElementError;
 use super::gear_model::FiniteElementCompliance;
-use super::model::{Model, Progress, Stage};
+use super::model::{Progress, Stage};
 use super::root_stress::RootStress;
 use super::settings::Settings;
 use super::uneven;
@@ -52,25 +52,6 @@ impl PairCompliance {
         Ok(models)
     }
 
-    /// Whether `cache` holds both models, sound or not.
-    ///
-    /// # Errors
-    /// Those of gears that cannot be meshed.
-    pub fn is_kept(
-        pair: &PairGeometry,
-        settings: &Settings,
-        cache: &ModelCache,
-    ) -> Result<bool, FiniteElementError> {
-        for gear in &pair.gears {
-            for gear in body::turned(gear).iter().chain([gear]) {
-                if !cache.holds(&Model::new(gear, settings)?) {
-                    return Ok(false);
-                }
-            }
-        }
-        Ok(true)
-    }
-
     /// Computes both models, or reads them from the cache if there is one.
     ///
     /// # Errors
@@ -88,7 +69,7 @@ impl PairCompliance {
 }
 
 /// The geometry of `pair`, its teeth cut from bodies that are no solids of revolution.
-pub(crate) fn cut_pair(pair: &Pair) -> PairGeometry {
+fn cut_pair(pair: &Pair) -> PairGeometry {
     let mut geometry = pair.geometry.clone();
     for (gear, body) in geometry.gears.iter_mut().zip(&pair.bodies) {
         if let Some(body) = body {

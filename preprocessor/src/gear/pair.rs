@@ -187,9 +187,19 @@ pub struct Pair {
 
 impl Pair {
     /// Whether the coast flank is the drive flank seen with both gears turned end for end, so that one
-    /// table serves both (with M -> -M and z_c mirrored at mid-face): both flanks modified alike and the same
-    /// from both ends of the face, as are both bodies, and both faces share their middle.
+    /// table serves both (with M -> -M and z_c mirrored at mid-face): both flanks modified alike, and all the same from both ends.
     pub fn coast_mirrors_drive(&self) -> bool {
+        let BothFlanks { drive, coast } = &self.microgeometry;
+        drive == coast && self.is_same_from_both_ends()
+    }
+
+    /// Whether mid-face mirrors the pair: at the misalignment -M the force is that at M, its moment the opposite one.
+    pub fn is_mirrored_at_mid_face(&self) -> bool {
+        self.geometry.base_helix_angle() == 0.0 && self.is_same_from_both_ends()
+    }
+
+    /// Whether flanks and bodies are the same from both ends of the face, whose middle both gears share.
+    fn is_same_from_both_ends(&self) -> bool {
         let gears = self.geometry.gears.each_ref();
         let middles = gears.map(|gear| gear.face_offset + 0.5 * gear.face_width);
         // Faces are given to a micrometre at best.
@@ -198,8 +208,7 @@ impl Pair {
         let are_even = self.bodies.iter().all(Option::is_none);
         (shares_middle && are_even)
             && (self.geometry.gears.iter()).all(|gear| body::turned(gear).is_none())
-            && drive == coast
-            && drive.iter().all(Microgeometry::is_symmetric)
+            && drive.iter().chain(coast).all(Microgeometry::is_symmetric)
     }
 
     /// Estimate of the largest Hertz half-width of the pair, m: the maximum torque on one tooth pair, spread

@@ -1,6 +1,7 @@
 //! Refusals, and what can be said of each number of the file on its own, before any geometry is built from it.
 
-use super::file::{Dimension, FlankFile, GearFile, Meshing, OperatingFile, PairFile};
+use super::dimension::Dimension;
+use super::file::{FlankFile, GearFile, Meshing, OperatingFile, PairFile};
 use gearmesh::words::{number, rounded};
 
 /// One value that cannot be, and what to do about it.

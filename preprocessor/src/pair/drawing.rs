@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 
 use super::checks::{Refusal, about, ensure, in_gear, refusal, remedy};
-use super::file::{Dimension, GearFile, MM, PairFile, UM, radius_of};
+use super::dimension::Dimension;
+use super::file::{GearFile, MM, PairFile, UM, radius_of};
 use super::gears::{set_circles, unshifted};
 use gearmesh::gear::{Gear, GearKind, PairGeometry, inverse_involute, involute};
 use gearmesh::words::{fixed, rounded};

@@ -5,6 +5,7 @@
 
 mod bodies;
 mod checks;
+mod dimension;
 pub mod drawing;
 mod file;
 mod flanks;

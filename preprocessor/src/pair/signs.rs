@@ -2,7 +2,8 @@
 //! distance.
 
 use super::checks::{Refusal, Refusals, ensure, every, in_gear};
-use super::file::{Dimension, GearFile, PairFile, ReliefFile, ReliefStart};
+use super::dimension::Dimension;
+use super::file::{GearFile, PairFile, ReliefFile, ReliefStart};
 use gearmesh::words::number;
 
 /// A length of a file that is negative for a ring in the signs of DIN 3960.

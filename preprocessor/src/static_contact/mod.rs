@@ -9,11 +9,14 @@ mod error;
 mod influence;
 mod motion;
 mod position;
+mod settings;
 mod solver;
 #[cfg(test)]
 mod tests;
+mod trials;
 
 pub use deflection::Deflection;
 pub use error::ContactError;
 pub use position::{ContactResult, EdgeLoad, PositionProblem, Resultant, SegmentLoad};
-pub use solver::{ContactSolver, contact_settings};
+pub use settings::contact_settings;
+pub use solver::ContactSolver;

@@ -1,4 +1,4 @@
-//! The contact of one pair: settings, and the problem of every position of the mesh.
+//! The contact of one pair: the problem of every position of the mesh.
 
 use std::sync::Arc;
 
@@ -6,28 +6,16 @@ use super::deflection::Deflection;
 use super::error::ContactError;
 use super::influence::influence;
 use super::position::{ContactResult, PositionProblem};
+use super::settings::estimated_approach;
 use crate::compliance::{BeyondModel, ToothCompliance};
-use crate::gear::{Pair, Refinement, ToothProfile, body};
+use crate::gear::{Pair, ToothProfile};
 use gearmesh::contact::{
     Candidate, CondensedFlank, CondensedNode, ContactLines, ContactProblem, ContactSettings,
-    ContactSetup, Failure, Influence, Prescribed, STIFFNESS_OVER_MODULUS, Segment, along_segment,
-    finite,
+    ContactSetup, Influence, Segment, along_segment, finite,
 };
 use gearmesh::friction::{FrictionLaw, Sliding, SlidingSums};
 use gearmesh::gear::{Flank, PairGeometry, PairNumbers, PairTeeth, first_teeth};
 use nalgebra::DMatrix;
-
-/// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
-const TRIED: [f64; 2] = [0.0, 0.5];
-/// Ratio of the approach up to which they are followed to the largest found there, for other positions and centre distances.
-const MARGIN: f64 = 1.25;
-/// Farther edges take up load, so that approaches fall: one more trial as a rule.
-const TRIALS: usize = 8;
-
-/// Part of the approach by which contact on bent teeth changes it at least, if it is to be followed.
-const LEAST_BEND: f64 = 1e-3;
-/// Positions of the mesh at which that is tried.
-const TRIED_FOR_BEND: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
 const RUN_TIME_STATIONS: usize = 22;
@@ -36,38 +24,16 @@ const RUN_TIME_STATIONS: usize = 22;
 /// moment more exact, a larger one the stiffness.
 const OWN_SHARE_AT_RUN_TIME: f64 = 0.45;
 
-/// Stations along the face at least.
-const FEWEST_STATIONS: usize = 10;
-
-/// Elements of level coarse over those of level normal: segments shorter than the elements follow no load of their own either.
-const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
-
-/// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the pair's loads and
-/// misalignments is wide, but at least 10; tip corners as the pair file says.
-pub fn contact_settings(pair: &Pair) -> ContactSettings {
-    let elements = match pair.refinement {
-        Refinement::Coarse => COARSE_OVER_NORMAL,
-        Refinement::Normal | Refinement::Fine => 1.0,
-    };
-    let least = elements * 2.0 * pair.largest_half_width();
-    let (_, face) = pair.geometry.face_overlap();
-    let default = ContactSettings::default();
-    ContactSettings {
-        stations: ((face / least) as usize).clamp(FEWEST_STATIONS, default.stations),
-        tip_corner_contact: pair.tip_corner_contact,
-        ..default
-    }
-}
-
 /// Static contact of one pair of gears.
 ///
 /// Clones share nothing mutable; one solver serves all threads.
 #[derive(Clone)]
 pub struct ContactSolver {
-    setup: ContactSetup,
+    pub(super) setup: ContactSetup,
     numbers: PairNumbers,
     compliance: [Arc<dyn ToothCompliance>; 2],
     deflection: Deflection,
+    is_mirrored: bool,
 }
 
 impl ContactSolver {
@@ -118,6 +84,7 @@ impl ContactSolver {
             },
             compliance,
             deflection: Deflection::default(),
+            is_mirrored: pair.is_mirrored_at_mid_face(),
         };
         let solver = match settings.followed_approach.is_some() || !settings.tip_corner_contact {
             true => solver,
@@ -126,71 +93,11 @@ impl ContactSolver {
         Ok(solver.bent_as_needed(pair))
     }
 
-    /// With contact that stays where undeformed flanks come closest if that changes the approach under the largest load of `pair` by less than
-    /// [`LEAST_BEND`] at the positions tried, as with steel gears: it then costs nothing.
-    fn bent_as_needed(mut self, pair: &Pair) -> ContactSolver {
-        if self.setup.settings.bent_teeth {
-            // What cannot be solved here is refused when it comes up.
-            self.setup.settings.bent_teeth = self.bends(pair).unwrap_or(true);
-        }
-        self
-    }
-
-    fn bends(&self, pair: &Pair) -> Result<bool, ContactError> {
-        let torque = Prescribed::Torque(pair.operating.maximum_torque);
-        for flank in loaded_flanks(pair) {
-            for position in TRIED_FOR_BEND {
-                let problem = self.position(flank, position, 0.0)?;
-                let free = problem.solve_beyond(torque, 0.0, None)?;
-                let held = problem.approach_of_held_contact(0.0, &free)?;
-                if (free.approach / held - 1.0).abs() > LEAST_BEND {
-                    return Ok(true);
-                }
-            }
-        }
-        Ok(false)
-    }
-
     /// The same pair with tip edges followed up to `approach` (m).
     #[must_use]
     pub fn followed_to(mut self, approach: f64) -> ContactSolver {
         self.setup.followed_approach = approach;
         self
-    }
-
-    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_approach`] says, as with bodies
-    /// that tilt under the thrust of a steep helix. What cannot be solved here is refused when it comes up.
-    fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
-        let mut solved = self.setup.followed_approach;
-        for _ in 0..TRIALS {
-            match self.needed_approach(pair) {
-                Ok(Some(needed)) => {
-                    solved = self.setup.followed_approach;
-                    self.setup.followed_approach = MARGIN * needed;
-                }
-                Ok(None) => break,
-                Err(_) => return self.followed_to(solved),
-            }
-        }
-        self
-    }
-
-    /// Largest approach at the positions tried, m, if tip edges are not followed that far.
-    fn needed_approach(&self, pair: &Pair) -> Result<Option<f64>, ContactError> {
-        let torque = Prescribed::Torque(pair.operating.maximum_torque);
-        let mut largest = None;
-        for flank in loaded_flanks(pair) {
-            for position in TRIED {
-                let problem = self.position(flank, position, 0.0)?;
-                for misalignment in pair.operating.misalignment {
-                    let found = problem.contact.solution(torque, misalignment, None)?;
-                    if let Some(Failure::NotFollowed { needed, .. }) = found.excess {
-                        largest = Some(needed.max(largest.unwrap_or(0.0)));
-                    }
-                }
-            }
-        }
-        Ok(largest)
     }
 
     /// The same pair on as few stations as contact at run time needs, with the share along a segment that makes them enough.
@@ -255,6 +162,7 @@ impl ContactSolver {
         // The approach that bears the load grows by the range of the deflection.
         self.setup.followed_approach += largest.max(0.0) + largest - least;
         self.deflection = deflection;
+        self.is_mirrored = false;
         self
     }
 
@@ -269,6 +177,11 @@ impl ContactSolver {
     /// The pair's geometry.
     pub fn geometry(&self) -> &PairGeometry {
         &self.setup.geometry
+    }
+
+    /// Whether mid-face mirrors the pair: solutions at misalignments of one sign are those at the other, mirrored.
+    pub fn is_mirrored_at_mid_face(&self) -> bool {
+        self.is_mirrored
     }
 
     /// The pair's law of friction; no solution depends on it.
@@ -528,36 +441,6 @@ impl ContactSolver {
         let models = [0, 1].map(|i| self.model(lines.flank, i));
         influence(lines, models, segments, seen).map_err(|model| beyond(lines, model))
     }
-}
-
-/// Approach that the pair's largest load and misalignment can cause, m: twice that of a stiff tooth pair, of the bodies, of the
-/// misalignment at the ends, and what modifications take off at most.
-fn estimated_approach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
-    let g = &pair.geometry;
-    let force = pair.operating.maximum_torque / g.gears[0].base_radius();
-    let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
-    let width = g.face_overlap().1;
-    let [low, high] = pair.operating.misalignment.map(f64::abs);
-    let (mut removal, mut bodies) = (0.0, 0.0);
-    for (i, gear) in g.gears.iter().enumerate() {
-        let rolls = [form_rolls[i], gear.tip_form_roll()];
-        let flanks = [&pair.microgeometry.drive[i], &pair.microgeometry.coast[i]];
-        let largest = flanks.map(|flank| flank.largest_removal(gear, rolls));
-        removal += largest[0].max(largest[1]);
-        bodies += force * body::compliance(gear);
-    }
-    let cos_beta_b = g.base_helix_angle().cos();
-    // Force and displacement along the normal are those on the line of action over cos beta_b, as the contact line is the face.
-    2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
-        + bodies
-        + 0.5 * low.max(high) * (width + g.base_helix_angle().tan() * g.base_pitch())
-        + removal / cos_beta_b
-}
-
-/// The flanks that differ.
-fn loaded_flanks(pair: &Pair) -> impl Iterator<Item = Flank> {
-    let flanks = 2 - usize::from(pair.coast_mirrors_drive());
-    [Flank::Drive, Flank::Coast].into_iter().take(flanks)
 }
 
 fn beyond(lines: &ContactLines<'_>, model: BeyondModel) -> ContactError {

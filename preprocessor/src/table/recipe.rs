@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::gear::{Pair, Refinement};
+use crate::gear::Pair;
 use crate::static_contact::{ContactError, ContactSolver, contact_settings};
 use gearmesh::contact::{ContactFile, ContactSettings, MAXIMUM_ITERATIONS};
 use gearmesh::gear::Flank;
@@ -14,9 +14,7 @@ use gearmesh::table::{
 };
 use serde_json::{Value, json};
 
-use super::coverage::{
-    Coverage, default_axes, measure, measure_at_run_time, mesh_positions, misalignments,
-};
+use super::coverage::{Coverage, default_axes, measure, measure_at_run_time, misalignments};
 use super::plan::table_within;
 use super::records::{
     RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding,
@@ -30,8 +28,6 @@ use crate::contact::{
 use crate::finite_element::{FiniteElementError, Origin};
 use crate::pair::modifications;
 
-/// Mesh positions at which every corner of the operating range is solved on the coarse model.
-const CORNER_POSITIONS: usize = 16;
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
 /// Those at which contact at run time is measured.
@@ -145,39 +141,6 @@ impl Recipe {
         }
         if self.teeth {
             TeethRecord::takes(&pair.teeth)?;
-        }
-        Ok(())
-    }
-
-    /// Refuses a pair whose contact cannot be solved at a corner of its operating range on the coarse model, where a finer one is
-    /// yet to be computed.
-    ///
-    /// # Errors
-    /// The first corner that fails; those of the coarse model.
-    pub fn check_on_coarse_model(
-        &self,
-        pair: &Pair,
-        settings: &ModelSettings,
-        progress: StageProgress,
-    ) -> Result<(), RecipeError> {
-        if pair.refinement == Refinement::Coarse || settings.are_cached(pair)? {
-            return Ok(());
-        }
-        let coarse = Pair {
-            refinement: Refinement::Coarse,
-            ..pair.clone()
-        };
-        let models = ElasticModels::new(&coarse, settings, progress)?;
-        let coverage = self.coverage(&coarse);
-        let corners = Axes {
-            displacement_fraction: vec![1.0],
-            center_distance_offset: nominal_and_ends(coverage.center_distance_offset),
-            misalignment: nominal_and_ends(coverage.misalignment),
-            mesh_position: mesh_positions(CORNER_POSITIONS),
-        };
-        for flank in flanks(&coarse) {
-            let torque = coverage.maximum_torque;
-            sweep(&models.solver, flank, &corners, torque, &|_, _| ())?;
         }
         Ok(())
     }
@@ -337,10 +300,6 @@ fn flanks(pair: &Pair) -> Vec<Flank> {
         true => vec![Flank::Drive],
         false => vec![Flank::Drive, Flank::Coast],
     }
-}
-
-fn nominal_and_ends(range: Option<[f64; 2]>) -> Vec<f64> {
-    [&[0.0], range.as_slice().as_flattened()].concat()
 }
 
 /// Adds the stress in the tooth roots to the contact at run time that `solver` has, by `roots` of its flanks.

@@ -2,10 +2,11 @@
 //! the spline through the latter misses.
 
 use super::coverage::{Coverage, SEED, TOGETHER, errors, mesh_positions};
-use super::sweep::{Progress, failed, sweep_columns};
+use super::sweep::{Progress, failed, rows_over_misalignment, sweep_columns};
 use crate::contact::PositionRoots;
 use crate::finite_element::RootStress;
 use crate::static_contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use gearmesh::friction::Sliding;
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::table::{
@@ -60,12 +61,10 @@ pub fn sweep_sliding(
 ) -> Result<SlidingSamples, TableError> {
     let law = solver.friction();
     let [c, m, force, p] = axes.nodes();
-    let total = axes.lengths().iter().product();
-    let all = sweep_columns([c, p], total, progress, |c, p, report| {
+    let all = sweep_columns([c, p], progress, |c, p| {
         let column = Column::new(solver, flank, [c, p])?;
-        column.solve([m, force], report, |result| {
-            Ok(solver.sliding(&column.problem, result, &law))
-        })
+        let sliding = |result: &_| Ok(solver.sliding(&column.problem, result, &law));
+        column.solve([m, force], sliding, Sliding::mirrored)
     })?;
     Ok(SlidingSamples::new(&all, law.is_local()))
 }
@@ -91,11 +90,10 @@ impl RootStressSweep<'_> {
         progress: Progress,
     ) -> Result<RootStressSamples, TableError> {
         let [c, m, force, p] = axes.nodes();
-        let total = axes.lengths().iter().product();
-        let all = sweep_columns([c, p], total, progress, |c, p, report| {
+        let all = sweep_columns([c, p], progress, |c, p| {
             let column = Column::new(self.solver, self.flank, [c, p])?;
             let roots = PositionRoots::new(&column.problem, self.models);
-            column.solve([m, force], report, |result| roots.largest(result))
+            column.solve([m, force], |result| roots.largest(result), |stress| *stress)
         })?;
         Ok(RootStressSamples::new(&all))
     }
@@ -123,8 +121,8 @@ impl RootStressSweep<'_> {
             let roots = PositionRoots::new(&column.problem, self.models);
             let errors = held.loads.iter().map(|&[torque, m]| {
                 let force = torque / rb;
-                let exact =
-                    column.solve([&[m], &[force]], &|_| (), |result| roots.largest(result))?[0];
+                let of_roots = |result: &_| roots.largest(result);
+                let exact = column.solve([&[m], &[force]], of_roots, |stress| *stress)?[0];
                 let found = stress([force, c, m, p]);
                 Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
             });
@@ -161,16 +159,16 @@ impl<'a> Column<'a> {
     }
 
     /// What `sample` gives of each solution, for each of `misalignments` (rad) under each of `forces` (N on the line of
-    /// action, ascending); the default without load. `report` is called after each misalignment with the number of forces.
+    /// action, ascending), and `mirrored` of each that mirrors another; the default without load.
     fn solve<S: Copy + Default>(
         &self,
         [misalignments, forces]: [&[f64]; 2],
-        report: &dyn Fn(usize),
         sample: impl Fn(&ContactResult) -> Result<S, ContactError>,
+        mirrored: impl Fn(&S) -> S,
     ) -> Result<Vec<S>, TableError> {
         let rb = self.solver.geometry().gears[0].base_radius();
-        let mut column = vec![S::default(); misalignments.len() * forces.len()];
-        for (&m, row) in misalignments.iter().zip(column.chunks_mut(forces.len())) {
+        let is_mirrored = self.solver.is_mirrored_at_mid_face();
+        let solve = |m: f64, row: &mut [S]| {
             let mut warm = None;
             // From the top down each solution starts from a near one.
             for (&force, value) in forces.iter().zip(row).rev().filter(|(f, _)| **f > 0.0) {
@@ -179,8 +177,8 @@ impl<'a> Column<'a> {
                 *value = sample(&result).map_err(|error| self.failed(m, error))?;
                 warm = Some(result);
             }
-            report(forces.len());
-        }
-        Ok(column)
+            Ok(())
+        };
+        rows_over_misalignment(misalignments, is_mirrored, forces.len(), mirrored, solve)
     }
 }

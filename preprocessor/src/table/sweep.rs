@@ -36,6 +36,17 @@ impl From<&Resultant> for Sample {
     }
 }
 
+impl Sample {
+    /// Mirrored at mid-face.
+    fn mirrored(&self) -> Sample {
+        Sample {
+            moment: -self.moment,
+            sliding: self.sliding.mirrored(),
+            ..*self
+        }
+    }
+}
+
 /// Static contact at one mesh position and centre distance.
 pub trait StaticPosition {
     /// Approach at the first touch, m.
@@ -55,6 +66,10 @@ pub type Position<'a> = Box<dyn StaticPosition + 'a>;
 pub trait StaticSource: Sync {
     /// The contact at the mesh position `p` and the centre distance offset `c` (m).
     fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Position<'_>, ContactError>;
+    /// Whether mid-face mirrors the pair, so that misalignments of one sign tell of both.
+    fn is_mirrored_at_mid_face(&self) -> bool {
+        false
+    }
     /// Law of friction that weights the sliding of its samples; `None`: they have none.
     fn friction(&self) -> Option<FrictionLaw> {
         None
@@ -102,6 +117,10 @@ impl StaticSource for WatchedSolver<'_> {
         let problem = self.solver.position(flank, p, c)?;
         Ok(Box::new(SolverPosition::new(problem, Some(self))))
     }
+
+    fn is_mirrored_at_mid_face(&self) -> bool {
+        self.solver.is_mirrored_at_mid_face()
+    }
 }
 
 impl StaticSource for ContactSolver {
@@ -110,6 +129,10 @@ impl StaticSource for ContactSolver {
             self.position(flank, p, c)?,
             None,
         )))
+    }
+
+    fn is_mirrored_at_mid_face(&self) -> bool {
+        self.is_mirrored_at_mid_face()
     }
 }
 
@@ -176,31 +199,55 @@ impl StaticPosition for SolverPosition<'_> {
     }
 }
 
-/// Called with (solves done, solves in all) of a sweep, from any thread.
+/// Called with (done, in all) of what a sweep consists of, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// What `column` gives at each of `offsets` of the centre distance and each of the mesh `positions`, in parallel, in the order
-/// of tables: the mesh position fastest. `column` reports the number of its solves, `total` over all columns.
+/// of tables: the mesh position fastest.
 pub(super) fn sweep_columns<S: Copy + Send>(
     [offsets, positions]: [&[f64]; 2],
-    total: usize,
     progress: Progress,
-    column: impl Fn(f64, f64, &dyn Fn(usize)) -> Result<Vec<S>, TableError> + Sync,
+    column: impl Fn(f64, f64) -> Result<Vec<S>, TableError> + Sync,
 ) -> Result<Vec<S>, TableError> {
     let done = AtomicUsize::new(0);
     let np = positions.len();
-    let columns: Vec<Vec<S>> = (0..offsets.len() * np)
-        .into_par_iter()
-        .map(|k| {
-            column(offsets[k / np], positions[k % np], &|count| {
-                progress(done.fetch_add(count, Ordering::Relaxed) + count, total);
-            })
-        })
-        .collect::<Result<_, _>>()?;
+    let total = offsets.len() * np;
+    let columns = (0..total).into_par_iter().map(|k| {
+        let column = column(offsets[k / np], positions[k % np])?;
+        progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        Ok(column)
+    });
+    let columns: Vec<Vec<S>> = columns.collect::<Result<_, TableError>>()?;
     let in_order = columns.chunks(np).flat_map(|row| {
         (0..row[0].len()).flat_map(move |k| row.iter().map(move |column| column[k]))
     });
     Ok(in_order.collect())
+}
+
+/// Rows of `length` samples, one for each of `misalignments` (rad, ascending), which `row` fills. Where mid-face mirrors the pair, it is
+/// not asked for those below zero whose opposite is among them: they become the opposite's, `mirrored`.
+pub(super) fn rows_over_misalignment<S: Copy + Default>(
+    misalignments: &[f64],
+    is_mirrored: bool,
+    length: usize,
+    mirrored: impl Fn(&S) -> S,
+    mut row: impl FnMut(f64, &mut [S]) -> Result<(), TableError>,
+) -> Result<Vec<S>, TableError> {
+    let largest = misalignments.iter().fold(0.0f64, |a, m| a.max(m.abs()));
+    let mut rows = vec![S::default(); misalignments.len() * length];
+    for (k, &m) in misalignments.iter().enumerate() {
+        let is_opposite = |other: &f64| is_mirrored && (other + m).abs() <= 1e-12 * largest;
+        let opposite = misalignments.iter().position(is_opposite).unwrap_or(k);
+        if opposite > k {
+            continue;
+        }
+        let (below, here) = rows[..(k + 1) * length].split_at_mut(k * length);
+        row(m, here)?;
+        for (value, of) in below[opposite * length..].iter_mut().zip(here) {
+            *value = mirrored(of);
+        }
+    }
+    Ok(rows)
 }
 
 /// Solves at every node of `axes` for one flank: the displacements are imposed, so nothing is inverted.
@@ -215,27 +262,27 @@ pub fn sweep(
     maximum_torque: f64,
     progress: Progress,
 ) -> Result<FlankGrid, TableError> {
-    let [nc, nm, nu, np] = axes.lengths();
+    let [_, _, nu, np] = axes.lengths();
     let outer = [&axes.center_distance_offset[..], &axes.mesh_position];
     // For each misalignment first touch and displacements.
-    let samples = sweep_columns(outer, nc * nm * (nu + 1) * np, progress, |c, p, report| {
+    let samples = sweep_columns(outer, progress, |c, p| {
         let mut position = (source.position(flank, p, c)).map_err(failed(flank, [c, 0.0, p]))?;
-        let mut column = Vec::with_capacity(nm * (nu + 1));
-        for &m in &axes.misalignment {
+        let is_mirrored = source.is_mirrored_at_mid_face();
+        let solve = |m: f64, samples: &mut [Sample]| {
             let low = position.no_load_approach(m);
             let top = (position.top(maximum_torque, m)).map_err(failed(flank, [c, m, p]))?;
-            let mut samples = vec![top; nu + 1];
             samples[0].approach = low;
+            samples[nu] = top;
             // From the top down each solution starts from a near one; the top itself is known.
             for k in (0..nu - 1).rev() {
                 let delta = low + axes.displacement_fraction[k] * (top.approach - low);
                 let solved = position.solve(Prescribed::Approach(delta), m);
                 samples[k + 1] = solved.map_err(failed(flank, [c, m, p]))?;
             }
-            column.append(&mut samples);
-            report(nu + 1);
-        }
-        Ok(column)
+            Ok(())
+        };
+        let nodes = &axes.misalignment;
+        rows_over_misalignment(nodes, is_mirrored, nu + 1, Sample::mirrored, solve)
     })?;
     // Of all `samples` in the order of the table, those with the indices `rows` of a column.
     let rows = |rows: std::ops::Range<usize>| {

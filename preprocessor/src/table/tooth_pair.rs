@@ -125,6 +125,10 @@ impl StaticSource for ToothPair {
         }))
     }
 
+    fn is_mirrored_at_mid_face(&self) -> bool {
+        self.solver.is_mirrored_at_mid_face()
+    }
+
     fn friction(&self) -> Option<FrictionLaw> {
         Some(self.solver.friction())
     }

@@ -2,8 +2,8 @@
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 
+use super::dimension::Dimension;
 use super::drawing::{Measure, generating_profile_shift, lead};
-use super::file::Dimension;
 use super::*;
 use gearmesh::gear::Gear;
 use serde_json::json;

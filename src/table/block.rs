@@ -56,9 +56,11 @@ pub(super) fn rounded(values: &[f64], share: f64) -> Vec<f64> {
     values.iter().map(round).collect()
 }
 
-/// As [`rounded`], and each value to five digits.
-pub(super) fn rounded_to_five(values: &[f64], share: f64) -> Vec<f64> {
-    let round = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
+/// `values` to so many `digits`, but not beyond a tenth of the last digit of the largest of them.
+pub(super) fn rounded_to(digits: usize, values: &[f64]) -> Vec<f64> {
+    let after_first = digits - 1;
+    let round = |x: f64| format!("{x:.after_first$e}").parse().unwrap_or(x);
+    let share = 0.1 * 0.1f64.powi(digits as i32);
     rounded(values, share).into_iter().map(round).collect()
 }
 
@@ -67,11 +69,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_keep_five_digits_down_to_a_share_of_the_largest() {
+    fn values_keep_their_digits_down_to_a_share_of_the_largest() {
         let values = [4321.987654, -321.987654, 0.987654, 0.0004, -0.0004];
         let expected = [4322.0, -321.99, 0.988, 0.0, 0.0];
-        assert_eq!(rounded_to_five(&values, 1e-6), expected);
-        assert!(rounded_to_five(&values, 1e-6)[4].is_sign_positive());
+        assert_eq!(rounded_to(5, &values), expected);
+        assert!(rounded_to(5, &values)[4].is_sign_positive());
         assert_eq!(rounded(&values, 1e-6)[0], 4321.988);
     }
 }

@@ -1,12 +1,19 @@
 //! The grid of one flank: axes and samples, before any interpolant, and what they must fulfil.
 
 use super::axes::check_values;
-use super::block::{Block, rounded, rounded_to_five};
+use super::block::{Block, rounded, rounded_to};
 use super::error::refused;
 use super::interpolation::at_zero;
 use super::records::SlidingSamples;
 use super::{Axes, Axis, Query, TableError};
 use serde::{Deserialize, Serialize};
+
+/// Digits of moments, and of forces at least.
+const DIGITS: usize = 5;
+/// Those that a double holds.
+const MOST_DIGITS: usize = 15;
+/// Largest part of half the face by which the digits of forces may move the place of the force.
+const PLACE: f64 = 3e-3;
 
 /// Samples of one flank. Arrays run over (centre distance, misalignment, displacement, mesh position),
 /// the last index fastest; the approaches have no displacement index.
@@ -44,18 +51,35 @@ impl FlankGrid {
         }
     }
 
-    /// The samples as part of a file, rounded below the error of interpolation: forces and moments to five digits (2e-5 of each, rms) but not
-    /// beyond a millionth of the largest, approaches to a ten-millionth of the largest. All digits would take more than twice the room.
+    /// The samples as part of a file, rounded below the error of interpolation: moments to five digits (2e-5 of each, rms), forces to
+    /// five or as many as the place along the face of half the width `half_face` (m) takes, none beyond a tenth of the last digit of the largest;
+    /// approaches to a ten-millionth of the largest. All digits would take more than twice the room.
     #[must_use]
-    pub fn for_file(&self) -> FlankGrid {
+    pub fn for_file(&self, half_face: f64) -> FlankGrid {
+        let digits = self.digits_of_force(half_face);
         FlankGrid {
             axes: Axes::default(),
             no_load_approach: rounded(&self.no_load_approach, 1e-7),
             top_load_approach: rounded(&self.top_load_approach, 1e-7),
-            loa_force: rounded_to_five(&self.loa_force, 1e-6),
-            moment: self.moment.as_deref().map(|m| rounded_to_five(m, 1e-6)),
+            loa_force: rounded_to(digits, &self.loa_force),
+            moment: self.moment.as_deref().map(|m| rounded_to(DIGITS, m)),
             sliding: self.sliding.clone(),
         }
+    }
+
+    /// Digits of the force that leave the place of the force within [`PLACE`] of `half_face`. It is a derivative over the misalignment of what
+    /// the force is integrated to: forces that are off by a share e move it by up to e (D1 - D0) over the distance of the nodes.
+    fn digits_of_force(&self, half_face: f64) -> usize {
+        let nodes = self.axes.misalignment.windows(2);
+        let apart = nodes
+            .map(|ends| ends[1] - ends[0])
+            .fold(f64::INFINITY, f64::min);
+        let ends = self.top_load_approach.iter().zip(&self.no_load_approach);
+        let span = ends.map(|(high, low)| high - low).fold(0.0, f64::max);
+        let share = PLACE * half_face * apart / span;
+        // The last of n digits of 1 is 10^(1 - n), and rounding is off by half of it.
+        let digits = (1.0 - (2.0 * share).log10()).ceil();
+        digits.clamp(DIGITS as f64, MOST_DIGITS as f64) as usize
     }
 
     /// Largest force in the table, N.

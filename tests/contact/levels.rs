@@ -349,3 +349,40 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let words = ["rootStress = true", "--contact --root-stress"];
     assert!(words.iter().all(|word| text.contains(word)), "{text}");
 }
+
+#[test]
+fn digits_of_a_file_hold_the_place_of_the_force_where_misalignments_lie_close() {
+    let pair = pair::from_json(UNMODIFIED).unwrap();
+    let axes = Axes {
+        displacement_fraction: (1..=10).map(|i| (0.1 * f64::from(i)).powi(2)).collect(),
+        center_distance_offset: vec![0.0],
+        misalignment: [-2e-4, -2e-5, -2e-6, -2e-7, 0.0, 2e-7, 2e-6, 2e-5, 2e-4].to_vec(),
+        mesh_position: (0..12).map(|i| f64::from(i) / 12.0).collect(),
+    };
+    let solver = coarse_solver(&pair, with_stations(16));
+    let torque = pair.operating.maximum_torque;
+    let grid = sweep(&solver, Flank::Drive, &axes, torque, QUIET).unwrap();
+    let geometry = &pair.geometry;
+    let file = TableFile::new(
+        "unmodified",
+        "a test",
+        geometry,
+        [100.0, torque],
+        &grid,
+        None,
+    );
+    let read = TableFile::from_json(&file.to_json())
+        .unwrap()
+        .drive
+        .on(&axes);
+    let [exact, read] = [grid, read].map(|g| FlankTable::new(&g, Interpolation::Spline).unwrap());
+    let half_face = 0.5 * geometry.face_overlap().1;
+    let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
+    for _ in 0..500 {
+        let mut q = Query::from([0.0, 0.0, random.within([-5e-7, 5e-7]), random.next()]);
+        q.delta = exact.approach_at(random.within([200.0, 5000.0]), &q);
+        let [exact, read] = [&exact, &read].map(|table| table.evaluate(&q, false).gradient);
+        let apart = exact[2] / exact[0] - read[2] / read[0];
+        assert!(apart.abs() < 2e-3 * half_face, "{apart:e} m at {q:?}");
+    }
+}

@@ -3,6 +3,7 @@
 use super::checks::{Refusal, ensure, in_gear, note, refusal, remedy};
 use super::file::{MM, PairFile, UM, radius_of};
 use super::gears::{self, tip_field, usual_tip_radius};
+use super::temperature;
 use crate::gear::ToothProfile;
 use gearmesh::contact::STIFFNESS_OVER_MODULUS;
 use gearmesh::gear::{Gear, GearKind, PairGeometry, involute};
@@ -190,6 +191,34 @@ pub(super) fn check_center_distances(
         }
     }
     Ok(notes)
+}
+
+/// Checks the mesh of the warm pair, `geometry`, as that of the drawing was checked: what would be refused there is refused of the temperature.
+/// Adds to `notes` those that the cold pair does not have.
+pub(super) fn check_warm(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    notes: &mut Vec<String>,
+) -> Result<(), Refusal> {
+    let celsius = temperature::temperature(file);
+    if celsius == temperature::OF_DRAWING {
+        return Ok(());
+    }
+    let [one, two] = &geometry.gears;
+    let found = gears::profile(file, one, 0)
+        .and_then(|one| Ok([one, gears::profile(file, two, 1)?]))
+        .and_then(|profiles| check_center_distances(file, geometry, &profiles));
+    let warm = found.map_err(|cold| {
+        refusal!("operating.temperature_c" => celsius;
+            "the gears of the drawing mesh, but as warm as that they do not: {}", cold.problem;
+            "give `housing_thermal_expansion_um_per_m_k`, shorter teeth, a larger centre distance or a lower temperature")
+    })?;
+    let new = warm.into_iter().filter(|note| !notes.contains(note));
+    let new: Vec<String> = new
+        .map(|note| format!("at {} °C: {note}", rounded(celsius)))
+        .collect();
+    notes.extend(new);
+    Ok(())
 }
 
 /// A tip may dip this far below the start of the involute, in normal modules of roll, unless undercut left a corner: the

@@ -202,6 +202,7 @@ fn resolve_pair(
     notes.extend(in_mesh);
     let (mut microgeometry, teeth) = flanks;
     temperature::expand(file, &mut geometry, &mut microgeometry)?;
+    mesh::check_warm(file, &geometry, &mut notes)?;
     notes.extend(note_on_teeth(&teeth).map(str::to_owned));
     let misalignment = misalignment(file, &geometry, &shafts)?;
     if shafts.iter().any(Option::is_some) {

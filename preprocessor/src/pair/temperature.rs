@@ -10,10 +10,10 @@ use gearmesh::gear::{Gear, Microgeometry, PairGeometry, PairMicrogeometry, Profi
 use gearmesh::words::rounded;
 
 /// Temperature of the drawing (ISO 1), °C.
-const OF_DRAWING: f64 = 20.0;
+pub(super) const OF_DRAWING: f64 = 20.0;
 
 /// Of the mesh, °C.
-fn temperature(file: &PairFile) -> f64 {
+pub(super) fn temperature(file: &PairFile) -> f64 {
     file.operating.temperature_c.unwrap_or(OF_DRAWING)
 }
 
@@ -159,10 +159,19 @@ mod tests {
 
     /// A plastic wheel on a steel pinion at `celsius`; expansions of pinion, wheel and housing, um/(m K).
     fn warm(celsius: f64, expansions: [f64; 3]) -> Result<Pair, String> {
+        warm_with_backlash(120.0, celsius, expansions)
+    }
+
+    /// The same with a backlash in um.
+    fn warm_with_backlash(
+        backlash: f64,
+        celsius: f64,
+        expansions: [f64; 3],
+    ) -> Result<Pair, String> {
         let [pinion, wheel, housing] = expansions;
         let text = format!(
             r#"{{"name": "plastic", "meshing": "external", "normal_module_mm": 1.0, "normal_pressure_angle_deg": 20.0,
-                 "helix_angle_deg": 0.0, "backlash_um": 120.0, "housing_thermal_expansion_um_per_m_k": {housing},
+                 "helix_angle_deg": 0.0, "backlash_um": {backlash}, "housing_thermal_expansion_um_per_m_k": {housing},
                  "gear1": {{"teeth": 20, "face_width_mm": 10.0, "thermal_expansion_um_per_m_k": {pinion}}},
                  "gear2": {{"teeth": 40, "face_width_mm": 10.0, "thermal_expansion_um_per_m_k": {wheel},
                      "youngs_modulus_over_temperature": [[-40, 3.6], [20, 3.0], [80, 1.5]], "poisson_ratio": 0.35}},
@@ -245,6 +254,20 @@ mod tests {
         ] {
             let error = warm(celsius, expansions).unwrap_err();
             assert!(error.contains(part), "{error}");
+        }
+    }
+    #[test]
+    fn warm_tips_are_checked_against_root_and_fillet_of_the_mate_as_cold_ones_are() {
+        let warm = |wheel, housing| warm_with_backlash(400.0, 80.0, [110.0, wheel, housing]);
+        for (wheel, part) in [
+            // By hand: 11 (1 + 60 * 110e-6) + 18.75 (1 + 60 * 180e-6) = 30.025.
+            (180.0, "the tip clearance to gear 2 is -0.025 mm"),
+            (140.0, "tip interference"),
+        ] {
+            let error = warm(wheel, 0.0).unwrap_err();
+            let parts = ["`operating.temperature_c` = 80", part];
+            assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+            warm(wheel, 100.0).unwrap();
         }
     }
 }

@@ -118,7 +118,7 @@ impl Draft<'_> {
     pub(super) fn gear(&mut self, i: usize, basic: &Basic) -> Result<Fields> {
         let name = ["gear1", "gear2"][i];
         let mut fields = Map::new();
-        fields.insert("teeth".into(), json!(basic.teeth[i].abs().round() as u64));
+        fields.insert("teeth".into(), json!(basic.teeth[i].abs() as u64));
         let (tools, materials) = (self.beside(i, &TOOLS), self.beside(i, &["material"]));
         for Source {
             field,

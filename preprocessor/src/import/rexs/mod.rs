@@ -163,6 +163,12 @@ impl<'a> Draft<'a> {
             let parts = self.teeth[i].clone();
             let number =
                 self.required(&format!("gear{}.teeth", i + 1), &parts, "number_of_teeth")?;
+            if number.fract() != 0.0 {
+                return refused(format!(
+                    "gear{}.teeth: number_of_teeth = {number}, and a whole number is expected",
+                    i + 1
+                ));
+            }
             *teeth = if self.is_ring(i) {
                 -number.abs()
             } else {
@@ -296,7 +302,9 @@ impl<'a> Draft<'a> {
             let mut left = Vec::new();
             for a in c.attributes.iter().filter(|a| !a.is_taken.replace(true)) {
                 let value = format!("{} = {}", a.id, a.shown());
-                if GEOMETRY.iter().any(|word| a.id.contains(word)) && !a.is_empty() {
+                let is_zero = a.shown().trim().parse() == Ok(0.0);
+                let is_geometry = GEOMETRY.iter().any(|word| a.id.contains(word));
+                if is_geometry && !is_zero && !a.is_empty() {
                     let line = format!(
                         "{} {}: {value} is left out and changes the geometry",
                         c.kind, c.id

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
@@ -41,6 +42,7 @@ pub(super) struct Attribute {
     pub unit: String,
     #[serde(alias = "floating_point", alias = "integer", alias = "enum")]
     #[serde(alias = "string", alias = "boolean", alias = "floating_point_array")]
+    #[serde(alias = "floating_point_array_coded", deserialize_with = "plain")]
     pub value: Value,
     /// Whether the pair file has it.
     #[serde(skip)]
@@ -95,6 +97,37 @@ fn word<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
     })
 }
 
+/// A value, arrays in Base64 (`{"code": .., "value": ..}`) decoded.
+fn plain<'de, D: Deserializer<'de>>(from: D) -> Result<Value, D::Error> {
+    let value = Value::deserialize(from)?;
+    let decoded = match (&value["code"], &value["value"]) {
+        (Value::String(code), Value::String(text)) => decoded(code, text),
+        _ => None,
+    };
+    Ok(decoded.unwrap_or(value))
+}
+
+/// The numbers that `text` holds in Base64, `code` their type in the order of little-endian bytes; None of what is none.
+fn decoded(code: &str, text: &str) -> Option<Value> {
+    let bytes = BASE64_STANDARD.decode(text.trim()).ok()?;
+    let numbers: Vec<f64> = match code {
+        "float64" => of_bytes(&bytes, f64::from_le_bytes)?,
+        "float32" => of_bytes(&bytes, |word| f64::from(f32::from_le_bytes(word)))?,
+        "int32" => of_bytes(&bytes, |word| f64::from(i32::from_le_bytes(word)))?,
+        _ => return None,
+    };
+    Some(numbers.into())
+}
+
+/// What `number` makes of each `N` bytes; None where some are left.
+fn of_bytes<const N: usize>(bytes: &[u8], number: impl Fn([u8; N]) -> f64) -> Option<Vec<f64>> {
+    let words = bytes.chunks(N).map(|word| word.try_into().ok());
+    words.map(|word| word.map(&number)).collect()
+}
+
+/// How programs write that an attribute has no value.
+const NOT_SET: &str = "not-set";
+
 impl Attribute {
     /// The value as it stands in the file.
     pub fn shown(&self) -> String {
@@ -105,7 +138,7 @@ impl Attribute {
     }
 
     pub fn is_empty(&self) -> bool {
-        self.value.is_null() || self.value == ""
+        self.value.is_null() || self.value == "" || self.value == NOT_SET
     }
 }
 
@@ -246,10 +279,10 @@ fn attribute(node: roxmltree::Node) -> Attribute {
         id: given(node, "id"),
         unit: given(node, "unit"),
         value: match array {
-            Some(array) => {
+            Some(array) => decoded(&given(array, "code"), &text(array)).unwrap_or_else(|| {
                 let cells = array.children().filter(roxmltree::Node::is_element);
                 Value::Array(cells.map(|cell| text(cell).into()).collect())
-            }
+            }),
             None => text(node).into(),
         },
         is_taken: Cell::new(false),

@@ -483,3 +483,54 @@ fn damaged_files_are_refused_or_become_pairs() {
         }
     }
 }
+
+#[test]
+fn what_is_not_set_or_zero_is_as_if_it_did_not_stand_there() {
+    let plain = File::default().import();
+    let file = File {
+        gears: [&[("tip_form_diameter", json!("not-set"))], NONE],
+        flanks: [NONE, &[("machining_allowance", json!(0.0))]],
+        ..File::default()
+    };
+    let (pair, account) = file.import();
+    assert_eq!(pair.geometry, plain.0.geometry);
+    assert!(!account.contains("changes the geometry"), "{account}");
+    let file = File {
+        flanks: [NONE, &[("machining_allowance", json!(0.1))]],
+        ..File::default()
+    };
+    says(
+        &file.import().1,
+        "machining_allowance = 0.1 is left out and changes the geometry",
+    );
+}
+
+#[test]
+fn arrays_in_base64_are_their_numbers_and_teeth_are_whole() {
+    let axis = json!({"code": "float64", "value": "AAAAAAAA8D8AAAAAAAAAAAAAAAAAAAAA"});
+    let file = |axis: Value| {
+        let text = String::from_utf8(
+            File {
+                gears: [&[("u_axis_vector", axis)], NONE],
+                ..File::default()
+            }
+            .bytes(),
+        );
+        text.unwrap()
+    };
+    let [coded, plain] = [axis, json!([1.0, 0.0, 0.0])].map(file);
+    let [coded, plain] = [coded, plain].map(|text| from_bytes(text.into_bytes(), "stage").unwrap());
+    assert_eq!(coded.text, plain.text);
+    let cut = file(json!({"code": "float64", "value": "AAAAAAAA8D8A"}));
+    let error = from_bytes(cut.into_bytes(), "stage")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("u_axis_vector"), "{error}");
+    let uneven = file(json!([1.0, 0.0, 0.0]))
+        .replace(":27,", ":27.4,")
+        .replace(":27}", ":27.4}");
+    let error = from_bytes(uneven.into_bytes(), "stage")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("number_of_teeth = 27.4"), "{error}");
+}

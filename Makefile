@@ -109,7 +109,7 @@ check: tools $(VENV)/.tests-complete build
 # The build comes first: the tests of the command line pack the library that lies beside it.
 test: tools packages lint build docs $(VENV)/.examples-complete
 	$(CARGO) test --release --workspace
-	$(VENV)/bin/python -m pytest -q tests/python
+	$(VENV)/bin/python -m pytest -q --numprocesses 2 --dist worksteal tests/python
 
 # The paper's simulations: target/demo/palermo2013.fmu, the plots and index.html.
 # Python packages come in while cargo compiles.

@@ -56,7 +56,7 @@ pub fn read_text(path: &Path) -> Result<String, String> {
     // One byte more than allowed shows a longer file, even where no length is known.
     match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {
         Err(error) if error.kind() == io::ErrorKind::InvalidData => refuse!(
-            "{name}: neither text nor an archive; name a pair file, tables, samples or an FMU"
+            "{name}: neither text in UTF-8 nor an archive; save it as UTF-8, or name a pair file, tables, samples or an FMU"
         ),
         Err(error) => Err(unreadable(path, &error)),
         Ok(length) if length as u64 > LONGEST_TEXT => refuse!(

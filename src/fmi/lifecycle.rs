@@ -127,7 +127,7 @@ impl Function {
                 format!("belongs to {other:?}; this instance was made for {interface:?}")
             }
             _ if states.contains(&state) => return Ok(()),
-            _ => format!("not allowed in the state {state:?}; it is in {states:?}"),
+            _ => format!("not allowed in the state {state:?}, only in {states:?}"),
         };
         Err(Refusal::error(reason))
     }
@@ -267,7 +267,7 @@ mod tests {
         ] {
             let refusal = function.admit(State::Fatal, Interface::CoSimulation);
             let text = refusal.unwrap_err().message;
-            let start = format!("not allowed in the state Fatal; it is in {allowed}");
+            let start = format!("not allowed in the state Fatal, only in {allowed}");
             assert!(text.starts_with(&start), "{text}");
         }
     }

@@ -13,7 +13,7 @@ const DIGITS: usize = 5;
 /// Those that a double holds.
 const MOST_DIGITS: usize = 15;
 /// Largest part of half the face by which the digits of forces may move the place of the force.
-const PLACE: f64 = 3e-3;
+const PLACE: f64 = 5e-3;
 
 /// Samples of one flank. Arrays run over (centre distance, misalignment, displacement, mesh position),
 /// the last index fastest; the approaches have no displacement index.

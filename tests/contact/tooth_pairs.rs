@@ -440,7 +440,9 @@ fn one_coupling_of_a_distance_holds_at_all_misalignments() {
         ..RECORD.clone()
     });
     one.check(&READY.pair.geometry).unwrap();
-    assert!(gearmesh_preprocessor::table::teeth_in_words(&one).contains("others take 0.90 um/kN"));
+    assert!(
+        gearmesh_preprocessor::table::teeth_in_words(&one).contains("neighbours first, 0.90 um/kN")
+    );
     let levels = [&one, &everywhere].map(level);
     let mut random = Random::new(9);
     for _ in 0..100 {

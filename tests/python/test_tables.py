@@ -5,7 +5,8 @@ import math
 import gearmesh
 import numpy as np
 import pytest
-from conftest import FORMULATIONS, QUICK, tabulated_pairs
+from conftest import COARSE, FORMULATIONS, QUICK, tabulated_pairs
+from host import Unit
 from scipy.optimize import brentq
 
 CYCLE = ["external-cycle", "ring2-cycle"]
@@ -127,3 +128,26 @@ def test_contact_at_run_time_has_no_axes_and_no_range(mesh):
 @pytest.mark.parametrize("model, remedy", [(CONTACT, "gearmesh build --contact"), (TEETH, "gearmesh tables --teeth")])
 def test_a_level_that_a_unit_does_not_hold_is_refused_with_what_to_do(mesh, model, remedy):
     assert remedy in mesh("external-all").refused({"stiffnessModel": model})
+
+
+def test_a_body_with_holes_has_a_balance_at_every_pose_of_flanks_without_crowning(tmp_path):
+    """Their tables have misalignments a microradian apart at parallel axes, and the body turns the noise of the moment there into tilt."""
+    gear = {"teeth": 25, "profile_shift": 0.1, "face_width_mm": 25.0, "bore_diameter_mm": 40.0}
+    web = {"rim_thickness_mm": 8.0, "web_thickness_mm": 8.0, "hub_diameter_mm": 80.0, "bore_diameter_mm": 60.0}
+    holes = {"count": 5, "circle_diameter_mm": 102.0, "diameter_mm": 14.0}
+    pair = {
+        "name": "holes", "meshing": "external", "normal_module_mm": 3.0, "normal_pressure_angle_deg": 20.0, "helix_angle_deg": 20.0,
+        "backlash_um": 150.0, "gear1": gear, "gear2": gear | web | {"teeth": 47, "profile_shift": -0.1, "web_holes": holes},
+        "operating": {
+            "nominal_torque_nm": 300.0, "maximum_torque_nm": 450.0, "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-1.0, 1.0],
+        },
+    }  # fmt: skip
+    unit = Unit(gearmesh.build(pair, tmp_path / "holes.fmu", **COARSE))
+    instance = unit.instance()
+    instance.initialize({"damping": 0.0, "coupling": 1})
+    rng = np.random.default_rng(7)
+    for turn, closed in zip(rng.uniform(0.0, 47 * math.tau / 25, 3000), 10.0 ** rng.uniform(-6.0, -3.1, 3000)):
+        instance.set({"gear1.angles[3]": turn, "gear2.angles[3]": closed - turn * 25 / 47})
+        assert math.isfinite(instance.get("gear1.moment[3]"))
+    instance.close()
+    unit.close()

@@ -131,6 +131,17 @@ impl Solve {
             (largest - least) / width
         });
         let offset = self.center_distance_offset_um * 1e-6;
+        let geometry = &pair.geometry;
+        let clearance =
+            [0, 1].map(|i| geometry.tip_clearance(i, geometry.center_distance + offset));
+        let clearance = 1e6 * clearance[0].min(clearance[1]);
+        if clearance <= 0.0 {
+            refuse!(
+                "--center-distance-offset-um = {}: a tip reaches the root of its mate; give more than {}",
+                self.center_distance_offset_um,
+                rounded(self.center_distance_offset_um - clearance)
+            );
+        }
         for load in &loads {
             // A deflection gathers the load as the misalignment of its range does.
             let tilts = [load.misalignment - bent, load.misalignment + bent];

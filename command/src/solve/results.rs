@@ -173,8 +173,9 @@ pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
         .iter()
         .find(|note| note.contains(pair::ASSUMED_HELD));
     let segments = case.cycle.note_on_segments();
+    let on_offset = pair::notes_on_offset(&pair.geometry, case.input.center_distance_offset);
     let notes = [on_teeth, elasticity, segments, held.cloned()];
-    notes.into_iter().flatten().collect()
+    notes.into_iter().flatten().chain(on_offset).collect()
 }
 
 type At<'a> = (usize, &'a Case);

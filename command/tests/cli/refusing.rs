@@ -33,7 +33,7 @@ fn files_options_and_numbers_that_cannot_be_are_refused_by_name_and_nothing_is_w
         refused!("{solve} --torque-nm={torque}"; &format!("'{torque}' for '--torque-nm <TORQUE_NM>': give 0 or a value from 1e-9 to 1e9"));
     }
     // Tips meet roots.
-    refused!("{solve} --center-distance-offset-um -2500"; "center_distance_offset", "root of its mate");
+    refused!("{solve} --center-distance-offset-um -2500"; "--center-distance-offset-um = -2500", "root of its mate", "more than -");
 
     // However root stress is requested.
     refused!("build --contact --plane-strain --set rootStress=true {PAPER} -o {out}"; "leave out `rootStress`, --plane-strain or --contact");

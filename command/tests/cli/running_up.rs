@@ -57,6 +57,7 @@ fn what_cannot_be_swept_is_refused() {
     let [fmu, page] = folder.paths(["p.fmu", "p.html"]);
     succeed!("pack --pair {PAPER} -o {fmu}");
     refused!("run-up {} -o {} --torque-nm 0", fmu, page; "torque", "other than 0");
+    refused!("run-up {} -o {} --step-s 1e-4", fmu, page; "rad of the natural frequency");
     refused!("run-up {} -o {} --speed-rpm 9000 2000", fmu, page; "--speed-rpm 9000 2000", "higher");
     refused!("run-up {} -o {} --inertia-kg-m2 0 1", fmu, page; "--inertia-kg-m2", "> 0");
     refused!("run-up {} -o {} --damping-ratio 0", fmu, page; "nothing decays");

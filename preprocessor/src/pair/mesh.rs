@@ -178,19 +178,37 @@ pub(super) fn check_center_distances(
         ensure!(end.center_distance > geometry.base_radius_sum(), end.field => &end.value;
             "the base circles allow no mesh there"; "narrow the range");
         end.check_clearance()?;
-        let there = format!("at a centre distance offset of {um} um");
-        if let Err(refusal) = end.check_contact() {
-            notes.push(format!("{there}: {}", refusal.problem));
+        let of_offset = notes_on_offset(geometry, um * UM);
+        if of_offset.is_empty()
+            && let Err(refusal) = end.check_contact()
+        {
+            notes.push(format!("{}: {}", at_offset(um), refusal.problem));
         }
-        // Below a micrometre it is the rounding of a drawing.
-        let backlash = geometry.backlash(end.center_distance) / UM;
-        if backlash < -1.0 {
-            notes.push(format!(
-                "{there} both flanks press: the backlash on the line of action is {backlash:.1} um"
-            ));
-        }
+        notes.extend(of_offset);
     }
     Ok(notes)
+}
+
+/// Start of a note on the mesh at the deviation `um` from the nominal centre distance.
+fn at_offset(um: f64) -> String {
+    format!("at a centre distance offset of {} um", rounded(um))
+}
+
+/// What is legal but worth knowing of the mesh of `geometry` at the deviation `offset` (m) from the nominal centre distance: that it loses
+/// contact, or that both flanks press.
+pub fn notes_on_offset(geometry: &PairGeometry, offset: f64) -> Vec<String> {
+    let center_distance = geometry.center_distance + offset;
+    let there = at_offset(offset / UM);
+    let ratio = geometry.transverse_contact_ratio(center_distance) + geometry.overlap_ratio();
+    let backlash = geometry.backlash(center_distance) / UM;
+    let parts = (ratio < 1.0).then(|| {
+        format!("{there}: the total contact ratio is {ratio:.3}, and below 1 teeth lose contact")
+    });
+    // Below a micrometre it is the rounding of a drawing.
+    let press = (backlash < -1.0).then(|| {
+        format!("{there} both flanks press: the backlash on the line of action is {backlash:.1} um")
+    });
+    parts.into_iter().chain(press).collect()
 }
 
 /// Checks the mesh of the warm pair, `geometry`, as that of the drawing was checked: what would be refused there is refused of the temperature.

@@ -27,7 +27,7 @@ pub use checks::{
 pub use drawing::Gauges;
 pub use gears::ASSUMED_HELD;
 pub(crate) use gears::default_held_radius;
-pub use mesh::LARGEST_DEFLECTION;
+pub use mesh::{LARGEST_DEFLECTION, notes_on_offset};
 pub use modifications::{modifications, topographies, topography};
 pub use text::PairError;
 
@@ -431,7 +431,7 @@ impl PairDraft {
     /// # Errors
     /// Those of [`from_json`].
     pub fn pair(&self) -> Result<Pair, PairError> {
-        let file = text::parse(&self.fields.to_string())?;
+        let file = text::parse_fields(&self.fields)?;
         Ok(resolve(&file, &self.folder)?)
     }
 }

@@ -106,6 +106,14 @@ pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
     Ok(file)
 }
 
+/// As [`parse`], of `fields` that stand in no text.
+pub(super) fn parse_fields(fields: &serde_json::Value) -> Result<PairFile, PairError> {
+    let file = serde_path_to_error::deserialize(fields);
+    file.map_err(|error: serde_path_to_error::Error<serde_json::Error>| {
+        PairError::Form(vec![form("", &error.path().to_string(), error.inner())])
+    })
+}
+
 /// `text` with a line feed in place of each carriage return that ends a line alone, as old editors write them: a comment
 /// ends there.
 fn with_line_feeds(text: &str) -> String {

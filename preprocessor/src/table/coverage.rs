@@ -95,8 +95,8 @@ const TRIED_POSITIONS: usize = 4;
 /// 25 mm that 20 mrad tilt the fourth.
 const CLOSER: f64 = 4.0;
 const TIMES: i32 = 4;
-/// Part of the error that closer misalignments leave at most: they cost digits, and the moment follows the load less evenly between them.
-const WORTH: f64 = 0.8;
+/// Part of the error that closer misalignments leave at most: they cost digits of the force, and stop paying where the error is of the loads.
+const WORTH: f64 = 0.85;
 
 impl Coverage {
     /// The operating range of `pair`, with those of centre distance and misalignment where they are wanted and wider than nothing.

@@ -144,7 +144,7 @@ pub fn teeth_in_words(record: &TeethRecord) -> String {
         .collect();
     let [c, m, u, _] = GRID;
     format!(
-        "{} from {:.2} to {:.2} base pitches; of the approach others take {} um/kN; {} against contact at run time",
+        "{} from {:.2} to {:.2} base pitches; coupling of tooth pairs, neighbours first, {} um/kN; {} against contact at run time",
         in_words(record.axes.lengths(), &[c, m, u, "place"]),
         record.first_place,
         record.last_place,

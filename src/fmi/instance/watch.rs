@@ -42,7 +42,7 @@ impl Instance {
             Mode::TooLong => (
                 Severity::Warning,
                 format!(
-                    "coupling: loads of the communication point, for the step is {:.2} of the mesh's own radians per step, and 1.7 at most can be \
+                    "coupling: loads are held over the step, which is {:.2} rad of the natural frequency of the mesh; up to 1.7 rad they can be \
                      predicted: take a shorter step",
                     report.angle
                 ),

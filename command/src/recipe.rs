@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
+use gearmesh::accuracy::LOW_LOADS;
 use gearmesh::contact::MAXIMUM_ITERATIONS;
 use gearmesh::table::InterpolationError;
 use gearmesh_preprocessor::contact::ElasticModels;
@@ -112,13 +113,17 @@ fn in_words(made: &Made, models: &ElasticModels, effort: &str) -> Listing {
         rows! { rows; "root stress" => "{seconds:.1} s, {}", record.interpolation_error; }
     }
     if let (Some(record), Some(seconds)) = (&made.file.teeth, account.teeth_seconds) {
-        let low_load = record.error.low_load_force.map_or(0.0, |[rms, _]| rms);
-        let [percent, low_load] = [record.error.force_rms, low_load].map(|error| 100.0 * error);
+        let percent = 100.0 * record.error.force_rms;
+        let low_load = record.error.low_load_force.map(|[rms, _]| 100.0 * rms);
         rows! { rows; "tooth pairs one by one" => "{seconds:.1} s, {}", table::teeth_in_words(record); }
-        if percent.max(low_load) > LARGE_ERROR {
+        if percent.max(low_load.unwrap_or(0.0)) > LARGE_ERROR {
+            let [least, most] = LOW_LOADS;
+            let low_load = low_load.map_or_else(String::new, |error| {
+                format!(", and at {least} to {most} of it by {error:.1} % of the force that acts")
+            });
             rows! { rows;
-                "warning" => "tooth pairs one by one are off by {percent:.1} % rms of the nominal force, and under a tenth to a quarter of \
-                     it by {low_load:.1} % of the force that acts; for this pair build with --contact and set stiffnessModel = contact";
+                "warning" => "tooth pairs one by one are off by {percent:.1} % rms of the nominal force{low_load}; for this pair build with \
+                     --contact and set stiffnessModel = contact";
             }
         }
     }

@@ -52,7 +52,7 @@ impl FlankGrid {
     }
 
     /// The samples as part of a file, rounded below the error of interpolation: moments to five digits (2e-5 of each, rms), forces to
-    /// five or as many as the place along the face of half the width `half_face` (m) takes, none beyond a tenth of the last digit of the largest;
+    /// five or as many as their place along the face takes (`half_face`, m, half its width), none beyond a tenth of the last digit of the largest;
     /// approaches to a ten-millionth of the largest. All digits would take more than twice the room.
     #[must_use]
     pub fn for_file(&self, half_face: f64) -> FlankGrid {
@@ -67,8 +67,8 @@ impl FlankGrid {
         }
     }
 
-    /// Digits of the force that leave the place of the force within [`PLACE`] of `half_face`. It is a derivative over the misalignment of what
-    /// the force is integrated to: forces that are off by a share e move it by up to e (D1 - D0) over the distance of the nodes.
+    /// Digits of the force that leave the place of the force within [`PLACE`] of `half_face`. It is a derivative over the misalignment of
+    /// the potential, the integral of the force: forces that are off by a share e move it by up to e (D1 - D0) over the distance of the nodes.
     fn digits_of_force(&self, half_face: f64) -> usize {
         let nodes = self.axes.misalignment.windows(2);
         let apart = nodes

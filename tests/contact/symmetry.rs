@@ -158,6 +158,31 @@ fn samples_of_a_spur_pair_are_solved_at_misalignments_of_one_sign_and_mirrored_t
 }
 
 #[test]
+fn sliding_of_a_spur_pair_is_mirrored_as_it_is_solved_at_the_other_sign() {
+    let solver = coarse_solver(&pair::from_json(SPUR).unwrap(), with_stations(16));
+    // Whoever deflects flanks solves at both signs.
+    let both = solver.clone().with_deflection(Deflection::default());
+    assert!(solver.is_mirrored_at_mid_face() && !both.is_mirrored_at_mid_face());
+    let axes = LoadAxes {
+        center_distance_offset_m: vec![0.0],
+        misalignment_rad: vec![-0.5e-3, 0.0, 0.5e-3],
+        loa_force_n: vec![1000.0, 4000.0],
+        mesh_position: vec![0.1, 0.7],
+    };
+    let [found, solved] =
+        [solver, both].map(|solver| sweep_sliding(&solver, Flank::Drive, &axes, QUIET).unwrap());
+    let columns = found.columns().into_iter().zip(solved.columns());
+    for ((name, found), (_, solved)) in columns {
+        let largest = solved.iter().fold(0.0f64, |top, x| top.max(x.abs()));
+        for (found, solved) in found.iter().zip(solved) {
+            assert_abs_diff_eq!(found, solved, epsilon = 1e-5 * largest);
+        }
+        // The same force and position at the misalignment of the other sign.
+        assert!(name != "share_z_m" || solved[0] * solved[8] < 0.0);
+    }
+}
+
+#[test]
 fn positions_one_base_pitch_apart_are_the_same() {
     let pair = text("external", 15.0, false);
     for [tau, force, m] in CASES {

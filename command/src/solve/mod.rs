@@ -136,10 +136,12 @@ impl Solve {
             [0, 1].map(|i| geometry.tip_clearance(i, geometry.center_distance + offset));
         let clearance = 1e6 * clearance[0].min(clearance[1]);
         if clearance <= 0.0 {
+            // A gear in a ring nears its root with the centre distance.
+            let (side, sign) = geometry.ring().map_or(("more", -1.0), |_| ("less", 1.0));
             refuse!(
-                "--center-distance-offset-um = {}: a tip reaches the root of its mate; give more than {}",
+                "--center-distance-offset-um = {}: a tip reaches the root of its mate; give {side} than {:.1}",
                 self.center_distance_offset_um,
-                rounded(self.center_distance_offset_um - clearance)
+                self.center_distance_offset_um + sign * clearance
             );
         }
         for load in &loads {

@@ -193,7 +193,8 @@ impl Pair {
         drive == coast && self.is_same_from_both_ends()
     }
 
-    /// Whether mid-face mirrors the pair: at the misalignment -M the force is that at M, its moment the opposite one.
+    /// Whether mid-face mirrors the pair: at the misalignment -M the force is that at M, its moment the opposite one. The mirror image of
+    /// a helical tooth has the other hand.
     pub fn is_mirrored_at_mid_face(&self) -> bool {
         self.geometry.base_helix_angle() == 0.0 && self.is_same_from_both_ends()
     }

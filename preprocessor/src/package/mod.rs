@@ -19,7 +19,7 @@ pub use documentation::start_in_words;
 pub(crate) use driven::Driven;
 pub use driven::{StepError, step_error};
 pub use dynamics::{Blank, MeshDynamics, theoretical_pair_stiffness};
-pub(crate) use starts::SEQUENTIAL;
+pub(crate) use starts::{SEQUENTIAL, TABLE, TEETH};
 pub use starts::{Setting, Starts};
 
 use documentation::Description;

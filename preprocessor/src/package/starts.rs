@@ -13,9 +13,9 @@ use gearmesh::words::to_digits;
 
 /// Numbers of the enumerations' items, as in modelDescription.xml.
 const CONSTANT: f64 = 1.0;
-pub(super) const TABLE: f64 = 2.0;
+pub(crate) const TABLE: f64 = 2.0;
 pub(super) const CONTACT: f64 = 3.0;
-const TEETH: f64 = 4.0;
+pub(crate) const TEETH: f64 = 4.0;
 const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
 pub(super) const HELD: f64 = 1.0;

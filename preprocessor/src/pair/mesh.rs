@@ -178,15 +178,22 @@ pub(super) fn check_center_distances(
         ensure!(end.center_distance > geometry.base_radius_sum(), end.field => &end.value;
             "the base circles allow no mesh there"; "narrow the range");
         end.check_clearance()?;
-        let of_offset = notes_on_offset(geometry, um * UM);
-        if of_offset.is_empty()
-            && let Err(refusal) = end.check_contact()
-        {
-            notes.push(format!("{}: {}", at_offset(um), refusal.problem));
+        let mut of_offset = notes_on_offset(geometry, um * UM);
+        if let Err(refusal) = end.check_contact() {
+            of_offset.insert(0, format!("{}: {}", at_offset(um), refusal.problem));
+            of_offset.dedup();
         }
         notes.extend(of_offset);
     }
     Ok(notes)
+}
+
+/// The total contact ratio at `center_distance` (m) in words, if it does not keep teeth in contact.
+fn lost_contact(geometry: &PairGeometry, center_distance: f64) -> Option<String> {
+    let transverse = geometry.transverse_contact_ratio(center_distance);
+    let total = transverse + geometry.overlap_ratio();
+    let holds = transverse > 0.0 && total >= 1.0;
+    (!holds).then(|| format!("the total contact ratio is {total:.3}"))
 }
 
 /// Start of a note on the mesh at the deviation `um` from the nominal centre distance.
@@ -199,11 +206,9 @@ fn at_offset(um: f64) -> String {
 pub fn notes_on_offset(geometry: &PairGeometry, offset: f64) -> Vec<String> {
     let center_distance = geometry.center_distance + offset;
     let there = at_offset(offset / UM);
-    let ratio = geometry.transverse_contact_ratio(center_distance) + geometry.overlap_ratio();
     let backlash = geometry.backlash(center_distance) / UM;
-    let parts = (ratio < 1.0).then(|| {
-        format!("{there}: the total contact ratio is {ratio:.3}, and below 1 teeth lose contact")
-    });
+    let parts = lost_contact(geometry, center_distance)
+        .map(|ratio| format!("{there}: {ratio}, and below 1 teeth lose contact"));
     // Below a micrometre it is the rounding of a drawing.
     let press = (backlash < -1.0).then(|| {
         format!("{there} both flanks press: the backlash on the line of action is {backlash:.1} um")
@@ -225,11 +230,14 @@ pub(super) fn check_warm(
     let [one, two] = &geometry.gears;
     let found = gears::profile(file, one, 0)
         .and_then(|one| Ok([one, gears::profile(file, two, 1)?]))
-        .and_then(|profiles| check_center_distances(file, geometry, &profiles));
-    let warm = found.map_err(|cold| {
+        .and_then(|profiles| check_center_distances(file, geometry, &profiles))
+        .and_then(|notes| check_tooth_difference(geometry).map(|()| notes));
+    let warm = found.map_err(|found| {
         refusal!("operating.temperature_c" => celsius;
-            "the gears of the drawing mesh, but as warm as that they do not: {}", cold.problem;
-            "give `housing_thermal_expansion_um_per_m_k`, shorter teeth, a larger centre distance or a lower temperature")
+            "the gears of the drawing mesh, but as warm as that they do not: `{}` = {}: {}",
+            found.field, found.value, found.problem;
+            "give `housing_thermal_expansion_um_per_m_k`, shorter teeth, another centre distance, a narrower \
+             `center_distance_offset_um` or a temperature nearer 20 °C")
     })?;
     let new = warm.into_iter().filter(|note| !notes.contains(note));
     let new: Vec<String> = new
@@ -273,12 +281,9 @@ impl InMesh<'_> {
     fn check_contact(&self) -> Result<(), Refusal> {
         self.check_active_profile(0)?;
         self.check_active_profile(1)?;
-        let transverse = self.geometry.transverse_contact_ratio(self.center_distance);
-        let total = transverse + self.geometry.overlap_ratio();
-        if transverse > 0.0 && total >= 1.0 {
+        let Some(problem) = lost_contact(self.geometry, self.center_distance) else {
             return Ok(());
-        }
-        let problem = format!("the total contact ratio is {total:.3}");
+        };
         let otherwise = "; check module and tooth number, too";
         short_tooth(self.file, self.geometry, &problem, otherwise)?;
         Err(refusal!(self.field => &self.value;

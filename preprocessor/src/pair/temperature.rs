@@ -256,6 +256,7 @@ mod tests {
             assert!(error.contains(part), "{error}");
         }
     }
+
     #[test]
     fn warm_tips_are_checked_against_root_and_fillet_of_the_mate_as_cold_ones_are() {
         let warm = |wheel, housing| warm_with_backlash(400.0, 80.0, [110.0, wheel, housing]);

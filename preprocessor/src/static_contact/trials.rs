@@ -44,8 +44,8 @@ impl ContactSolver {
         Ok(false)
     }
 
-    /// With edges followed farther where the largest load of `pair` brings teeth nearer than [`estimated_approach`](super::settings::estimated_approach) says, as with bodies
-    /// that tilt under the thrust of a steep helix. What cannot be solved here is refused when it comes up.
+    /// With edges followed farther where the largest load of `pair` brings teeth nearer than
+    /// [`estimated_approach`](super::settings::estimated_approach) says, as with bodies that tilt under the thrust of a steep helix. What cannot be solved here is refused when it comes up.
     pub(super) fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
         let mut solved = self.setup.followed_approach;
         for _ in 0..TRIALS {

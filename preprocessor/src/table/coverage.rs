@@ -95,7 +95,8 @@ const TRIED_POSITIONS: usize = 4;
 /// 25 mm that 20 mrad tilt the fourth.
 const CLOSER: f64 = 4.0;
 const TIMES: i32 = 4;
-/// Part of the error that closer misalignments leave at most: they cost digits of the force, and stop paying where the error is of the loads.
+/// Closer misalignments are taken if they leave at most this part of the error: they cost digits of the force, and an error between the
+/// displacements does not fall with them.
 const WORTH: f64 = 0.85;
 
 impl Coverage {

@@ -242,10 +242,10 @@ impl Lines {
         progress: Progress,
     ) -> Result<Self, TableError> {
         let mut random = Random::new(0x6A09_E667_F3BC_C908 ^ axis as u64);
-        let (count, solves) = match axis {
-            Axis::Displacement => (64, nodes.len()),
-            Axis::Misalignment => (24, 9 * nodes.len()),
-            Axis::CenterDistance | Axis::MeshPosition => (16, 9 * nodes.len()),
+        let count = match axis {
+            Axis::Displacement => 64,
+            Axis::Misalignment => 24,
+            Axis::CenterDistance | Axis::MeshPosition => 16,
         };
         // Where each node of a line is a position with an influence matrix of its own, lines share positions.
         let of_positions = matches!(axis, Axis::CenterDistance | Axis::MeshPosition);
@@ -278,7 +278,7 @@ impl Lines {
                 let table = through(&line)?;
                 grids.push((line, table));
             }
-            progress(grids.len() * solves, count * solves);
+            progress(grids.len(), count);
         }
         let inside = match axis {
             Axis::Misalignment => coverage.inside_of(&nodes),

@@ -199,7 +199,8 @@ impl StaticPosition for SolverPosition<'_> {
     }
 }
 
-/// Called with (done, in all) of what a sweep consists of, from any thread.
+/// Called with the parts of a sweep that are done and their number, from any thread: columns of one centre distance and mesh position, or
+/// lines of them.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// What `column` gives at each of `offsets` of the centre distance and each of the mesh `positions`, in parallel, in the order

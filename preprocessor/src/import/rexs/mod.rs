@@ -165,7 +165,7 @@ impl<'a> Draft<'a> {
                 self.required(&format!("gear{}.teeth", i + 1), &parts, "number_of_teeth")?;
             if number.fract() != 0.0 {
                 return refused(format!(
-                    "gear{}.teeth: number_of_teeth = {number}, and a whole number is expected",
+                    "gear{}.teeth: number_of_teeth = {number} is no whole number; correct it in the REXS file",
                     i + 1
                 ));
             }
@@ -302,7 +302,8 @@ impl<'a> Draft<'a> {
             let mut left = Vec::new();
             for a in c.attributes.iter().filter(|a| !a.is_taken.replace(true)) {
                 let value = format!("{} = {}", a.id, a.shown());
-                let is_zero = a.shown().trim().parse() == Ok(0.0);
+                // Nothing to take off; a shift of zero is a shift.
+                let is_zero = !a.id.contains("shift") && a.shown().trim().parse() == Ok(0.0);
                 let is_geometry = GEOMETRY.iter().any(|word| a.id.contains(word));
                 if is_geometry && !is_zero && !a.is_empty() {
                     let line = format!(

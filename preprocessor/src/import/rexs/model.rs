@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use base64::prelude::{BASE64_STANDARD, Engine};
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::{Engine, alphabet};
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
@@ -42,7 +43,8 @@ pub(super) struct Attribute {
     pub unit: String,
     #[serde(alias = "floating_point", alias = "integer", alias = "enum")]
     #[serde(alias = "string", alias = "boolean", alias = "floating_point_array")]
-    #[serde(alias = "floating_point_array_coded", deserialize_with = "plain")]
+    #[serde(alias = "floating_point_array_coded", alias = "integer_array_coded")]
+    #[serde(deserialize_with = "plain")]
     pub value: Value,
     /// Whether the pair file has it.
     #[serde(skip)]
@@ -107,9 +109,16 @@ fn plain<'de, D: Deserializer<'de>>(from: D) -> Result<Value, D::Error> {
     Ok(decoded.unwrap_or(value))
 }
 
+/// With padding or without: programs write both.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
 /// The numbers that `text` holds in Base64, `code` their type in the order of little-endian bytes; None of what is none.
 fn decoded(code: &str, text: &str) -> Option<Value> {
-    let bytes = BASE64_STANDARD.decode(text.trim()).ok()?;
+    let text: String = text.split_ascii_whitespace().collect();
+    let bytes = BASE64.decode(text).ok()?;
     let numbers: Vec<f64> = match code {
         "float64" => of_bytes(&bytes, f64::from_le_bytes)?,
         "float32" => of_bytes(&bytes, |word| f64::from(f32::from_le_bytes(word)))?,
@@ -279,10 +288,14 @@ fn attribute(node: roxmltree::Node) -> Attribute {
         id: given(node, "id"),
         unit: given(node, "unit"),
         value: match array {
-            Some(array) => decoded(&given(array, "code"), &text(array)).unwrap_or_else(|| {
+            Some(array) if array.has_attribute("code") => {
+                let text = text(array);
+                decoded(&given(array, "code"), &text).unwrap_or_else(|| text.into())
+            }
+            Some(array) => {
                 let cells = array.children().filter(roxmltree::Node::is_element);
                 Value::Array(cells.map(|cell| text(cell).into()).collect())
-            }),
+            }
             None => text(node).into(),
         },
         is_taken: Cell::new(false),
@@ -336,5 +349,32 @@ fn unzipped(bytes: Vec<u8>) -> Result<Vec<u8>> {
     match file.take(LONGEST + 1).read_to_end(&mut model) {
         Ok(_) => Ok(model),
         Err(error) => refused(format!("a damaged archive: {name}: {error}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn arrays_in_base64_are_read_from_xml_with_and_without_padding() {
+        // 2.5 and -1 as little-endian floats; 7 and -2 as integers.
+        let cases = [
+            ("float32", "AAAgQAAAgL8=", json!([2.5, -1.0])),
+            ("float32", "AAAgQAAAgL8", json!([2.5, -1.0])),
+            ("float32", " AAAgQAAA\n gL8= ", json!([2.5, -1.0])),
+            ("int32", "BwAAAP7///8=", json!([7.0, -2.0])),
+            ("float16", "AAAgQAAAgL8=", json!("AAAgQAAAgL8=")),
+            ("float32", "AAAgQAAA", json!("AAAgQAAA")),
+        ];
+        for (code, text, expected) in cases {
+            let xml = format!(
+                r#"<model><components><component id="1" type="part"><attribute id="a" unit="mm"><array code="{code}">{text}</array></attribute></component></components></model>"#
+            );
+            let model = Model::from_bytes(xml.into_bytes()).unwrap();
+            let value = &model.component("1").unwrap().attributes[0].value;
+            assert_eq!(*value, expected);
+        }
     }
 }

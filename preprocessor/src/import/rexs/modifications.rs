@@ -85,8 +85,8 @@ impl<'a> Draft<'a> {
                 };
                 let [a, b] = ends.map(|end| mm(c, &format!("{kind}_{end}")));
                 let [a, b] = [a?, b?].map(|mm| mm.map(um));
-                if a.is_some() != b.is_some() {
-                    let line = format!("{path}: alike at both ends, of which one alone is given");
+                if let (Some(um), None) | (None, Some(um)) = (a, b) {
+                    let line = format!("{path}: {um} um at both ends; the file gives one end");
                     self.account.add(Head::Assumed, line);
                 }
                 let [a, b] = [a.or(b), b.or(a)].map(|um| um.unwrap_or(0.0));

@@ -16,7 +16,8 @@ use crate::model::{ModelArgs, note_on_cache};
 use crate::output;
 use crate::pair_summary::at_build;
 
-/// Error of the force, percent rms of the nominal one or, under low loads, of that which acts, from which on tooth pairs one by one are warned of.
+/// Error of the force, percent rms of the nominal one or, under low loads, of that which acts, from which on tooth pairs one by one are
+/// warned of.
 const LARGE_ERROR: f64 = 3.0;
 
 /// Which dimensions a table has and how fine it is.

@@ -139,6 +139,12 @@ pub(super) fn check_axis(name: &str, nodes: &[f64], may_be_one: bool) -> Result<
     check_spacing(name, nodes, 1e-5)
 }
 
+/// Least distance of neighbours among the ascending `nodes`; infinite where there is one.
+pub fn least_distance(nodes: &[f64]) -> f64 {
+    let apart = nodes.windows(2).map(|ends| ends[1] - ends[0]);
+    apart.fold(f64::INFINITY, f64::min)
+}
+
 /// Cells of a spline between `ends`, ascending: one narrower than `least` of the range costs memory without bound where
 /// cells are found by equal buckets.
 fn check_spacing(name: &str, ends: &[f64], least: f64) -> Result<(), TableError> {

@@ -113,7 +113,6 @@ impl TableFile {
         drive: &FlankGrid,
         coast: Option<&FlankGrid>,
     ) -> Self {
-        let half_face = 0.5 * geometry.face_overlap().1;
         let mut file = TableFile {
             format: FORMAT.into(),
             version: VERSION,
@@ -127,8 +126,8 @@ impl TableFile {
             solver: BTreeMap::new(),
             interpolation_error: None,
             axes: drive.axes.clone(),
-            drive: drive.for_file(half_face),
-            coast: coast.map(|coast| coast.for_file(half_face)),
+            drive: drive.for_file(geometry),
+            coast: coast.map(|coast| coast.for_file(geometry)),
             friction: None,
             root_stress: None,
             teeth: None,

@@ -27,7 +27,7 @@ fn tables_of_helical_gears_under_the_old_law_of_misalignment_are_refused_by_name
         }
         f.geometry.center_distance = 0.083;
         let grid = Spring::grid(counts);
-        (f.axes, f.drive) = (grid.axes.clone(), grid.for_file(12.5e-3));
+        (f.axes, f.drive) = (grid.axes.clone(), grid.for_file(&f.geometry));
         f.drive.moment = f.drive.moment.filter(|_| has_moment);
         f.seal();
         TableFile::from_json(&f.to_json())

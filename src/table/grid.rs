@@ -1,11 +1,12 @@
 //! The grid of one flank: axes and samples, before any interpolant, and what they must fulfil.
 
-use super::axes::check_values;
+use super::axes::{check_values, least_distance};
 use super::block::{Block, rounded, rounded_to};
 use super::error::refused;
 use super::interpolation::at_zero;
 use super::records::SlidingSamples;
 use super::{Axes, Axis, Query, TableError};
+use crate::gear::PairGeometry;
 use serde::{Deserialize, Serialize};
 
 /// Digits of moments, and of forces at least.
@@ -52,11 +53,11 @@ impl FlankGrid {
     }
 
     /// The samples as part of a file, rounded below the error of interpolation: moments to five digits (2e-5 of each, rms), forces to
-    /// five or as many as their place along the face takes (`half_face`, m, half its width), none beyond a tenth of the last digit of the largest;
+    /// five or as many as their place along the face of `pair` takes, none beyond a tenth of the last digit of the largest;
     /// approaches to a ten-millionth of the largest. All digits would take more than twice the room.
     #[must_use]
-    pub fn for_file(&self, half_face: f64) -> FlankGrid {
-        let digits = self.digits_of_force(half_face);
+    pub fn for_file(&self, pair: &PairGeometry) -> FlankGrid {
+        let digits = self.digits_of_force(0.5 * pair.face_overlap().1);
         FlankGrid {
             axes: Axes::default(),
             no_load_approach: rounded(&self.no_load_approach, 1e-7),
@@ -67,15 +68,12 @@ impl FlankGrid {
         }
     }
 
-    /// Digits of the force that leave the place of the force within [`PLACE`] of `half_face`. It is a derivative over the misalignment of
+    /// Digits of the force that leave the place of the force within [`PLACE`] of `half_face` (m). It is a derivative over the misalignment of
     /// the potential, the integral of the force: forces that are off by a share e move it by up to e (D1 - D0) over the distance of the nodes.
     fn digits_of_force(&self, half_face: f64) -> usize {
-        let nodes = self.axes.misalignment.windows(2);
-        let apart = nodes
-            .map(|ends| ends[1] - ends[0])
-            .fold(f64::INFINITY, f64::min);
-        let ends = self.top_load_approach.iter().zip(&self.no_load_approach);
-        let span = ends.map(|(high, low)| high - low).fold(0.0, f64::max);
+        let apart = least_distance(&self.axes.misalignment);
+        let [_, span] = self.fields();
+        let span = span.values.into_iter().fold(0.0, f64::max);
         let share = PLACE * half_face * apart / span;
         // The last of n digits of 1 is 10^(1 - n), and rounding is off by half of it.
         let digits = (1.0 - (2.0 * share).log10()).ceil();

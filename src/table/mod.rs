@@ -21,7 +21,7 @@ pub mod samples;
 mod teeth;
 
 pub use crate::accuracy::{InterpolationError, RootStressError};
-pub use axes::{Axes, Axis};
+pub use axes::{Axes, Axis, least_distance};
 pub use error::TableError;
 pub use file::{TableFile, VERSION};
 pub use grid::FlankGrid;

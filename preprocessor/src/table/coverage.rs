@@ -8,6 +8,7 @@ use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
 use gearmesh::random::Random;
 use gearmesh::table::{
     Axes, FlankGrid, FlankTable, Interpolation, InterpolationError, Query, TableError,
+    least_distance,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -52,13 +53,8 @@ pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> 
 /// of 33 are twice as far from 0 as their neighbours.
 pub(super) fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
     let mut gradings = (1..=24).map(|half| graded(range, n, 0.5 * f64::from(half)));
-    let found = gradings.find(|nodes| closest(nodes) <= apart);
+    let found = gradings.find(|nodes| least_distance(nodes) <= apart);
     found.unwrap_or_else(|| graded(range, n, 12.0))
-}
-
-pub(super) fn closest(nodes: &[f64]) -> f64 {
-    let apart = nodes.windows(2).map(|w| w[1] - w[0]);
-    apart.fold(f64::INFINITY, f64::min)
 }
 
 /// Displacement nodes, denser towards the onset: (i / n)^power.
@@ -178,7 +174,7 @@ pub fn misalignments(
     let Some(range) = coverage.misalignment else {
         return Ok(best);
     };
-    let mut apart = closest(&best);
+    let mut apart = least_distance(&best);
     let mut error = low_load_error(source, geometry, coverage, &best)?;
     for _ in 0..TIMES {
         if error <= LOW_LOAD_ERROR {

@@ -11,7 +11,7 @@
 //! that of the shuttling moment over [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::coverage::{
-    Coverage, Nominal, SEED, TOGETHER, closest, displacement_nodes, graded, graded_to, measure_at,
+    Coverage, Nominal, SEED, TOGETHER, displacement_nodes, graded, graded_to, measure_at,
     mesh_positions, stratified, through,
 };
 use super::sweep::{Progress, StaticSource, sweep};
@@ -19,6 +19,7 @@ use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::random::Random;
 use gearmesh::table::{
     Axes, Axis, FlankGrid, FlankTable, Interpolation, InterpolationError, TableError,
+    least_distance,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -177,9 +178,9 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, misalignments: &[f64]) -> Option<
         Axis::CenterDistance => graded(coverage.center_distance_offset?, 25, 0.0),
         Axis::Misalignment => {
             let range = coverage.misalignment?;
-            let apart = 0.5 * closest(misalignments);
+            let apart = 0.5 * least_distance(misalignments);
             let even = graded(range, 65, 0.0);
-            if closest(&even) <= apart {
+            if least_distance(&even) <= apart {
                 even
             } else {
                 graded_to(range, 65, apart)

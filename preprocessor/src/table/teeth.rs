@@ -82,13 +82,12 @@ impl TeethSweep<'_> {
             mesh_position: mesh_positions((PLACES * (last - first)).ceil() as usize),
             ..axes.clone()
         };
-        let half_face = 0.5 * solver.geometry().face_overlap().1;
         let sampled = |mut pair: ToothPair, flank| {
             pair.places = [first, last];
             let mut grid = sweep(&pair, flank, &axes, coverage.maximum_torque, progress)?;
             grid.sliding = grid.sliding.filter(|_| self.friction);
             let coupling = coupling(solver, coverage, flank, &axes.misalignment)?;
-            Ok::<_, TableError>((grid.for_file(half_face), coupling))
+            Ok::<_, TableError>((grid.for_file(solver.geometry()), coupling))
         };
         let (drive, coupling_m_per_n) = sampled(drive, Flank::Drive)?;
         let coast = coast.map(|pair| sampled(pair, Flank::Coast)).transpose()?;

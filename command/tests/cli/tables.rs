@@ -144,8 +144,8 @@ fn a_tilt_far_beyond_the_deflection_of_the_teeth_has_tables() {
     let tables = folder.path("tables.json");
     succeed!("tables {pair} -o {tables} -q {QUICK}");
     let made = super::json(folder.read("tables.json"));
-    // Half as far apart as usual, and four beyond the limits.
-    assert_eq!(numbers(&made["axes"]["misalignment_rad"]).len(), 33 + 4);
+    // Half as many again as usual, and four beyond the limits.
+    assert_eq!(numbers(&made["axes"]["misalignment_rad"]).len(), 25 + 4);
     let rms = number(&made["interpolation_error"]["force_rms"]);
     assert!(rms < 5e-3, "{rms}");
 }

@@ -50,7 +50,7 @@ pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> 
 }
 
 /// Nodes over `range`, graded so that the closest are at most `apart` from each other, or by 12 at most: then the largest
-/// of 33 are twice as far from 0 as their neighbours.
+/// of 25 are nearly three times as far from 0 as their neighbours.
 pub(super) fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
     let mut gradings = (1..=24).map(|half| graded(range, n, 0.5 * f64::from(half)));
     let found = gradings.find(|nodes| least_distance(nodes) <= apart);
@@ -70,7 +70,7 @@ pub fn mesh_positions(n: usize) -> Vec<f64> {
 /// Default number of misalignments and how much denser they are at parallel axes; number of those that are closer there.
 const MISALIGNMENTS: usize = 17;
 const GRADING: f64 = 2.0;
-const MISALIGNMENTS_CLOSER: usize = 33;
+const MISALIGNMENTS_CLOSER: usize = 25;
 
 /// Nodes beyond a limit of the misalignment, over that limit. Without them the moment of shuttling, which the slope over the
 /// misalignment makes, is least certain at the limits, and beyond them it follows no solution.
@@ -160,7 +160,7 @@ pub(super) fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError
     }
 }
 
-/// Misalignments for `coverage`, rad: those of [`default_axes`], or twice as many that are closer at parallel axes, where a table through
+/// Misalignments for `coverage`, rad: those of [`default_axes`], or half as many again that are closer at parallel axes, where a table through
 /// these is off under a low load.
 ///
 /// # Errors

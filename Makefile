@@ -106,8 +106,10 @@ check: tools $(VENV)/.tests-complete build
 	$(CARGO) test --release --workspace --exclude gearmesh-validation --lib --bins
 	$(VENV)/bin/python -m pytest -q -m "not slow" $(addprefix --ignore ,$(EXAMPLES_TESTED))
 
-# The build comes first: the tests of the command line pack the library that lies beside it.
-test: tools packages lint build docs $(VENV)/.examples-complete
+# The build comes first: the tests of the command line pack the library that lies beside it. fmi-sim is
+# compiled at the same time: a build leaves a core idle now and then.
+test: tools packages lint
+	$(MAKE) --no-print-directory -j2 SELECTION='$(SELECTION)' build docs $(VENV)/.examples-complete
 	$(CARGO) test --release --workspace
 	$(VENV)/bin/python -m pytest -q --numprocesses 2 --dist worksteal tests/python
 

@@ -267,8 +267,8 @@ impl Study {
     ) -> Result<()> {
         let Some(point) = best else {
             if path.exists() {
-                let failed = |e| format!("cannot remove {}: {e}", path.display());
-                std::fs::remove_file(path).map_err(failed)?;
+                std::fs::remove_file(path)
+                    .map_err(|error| format!("cannot remove {}: {error}", path.display()))?;
             }
             return Ok(());
         };

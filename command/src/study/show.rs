@@ -121,42 +121,10 @@ impl Summary<'_> {
             self.seed
         );
         if let Some(best) = &self.best {
-            let as_drawn = best.as_drawn.map_or("refused".into(), |v| fixed(v, 4));
-            text += &format!("best by {}; as drawn: {as_drawn}\n\n", best.measure);
-            let mut columns = columns! { |(point, value): &(usize, f64)|
-                "", ["point", "", None] => *point;
-                "", ["measure", "", 4] => *value;
-            };
-            for (k, axis) in plan.axes.iter().enumerate() {
-                columns.extend(columns! { |(point, _): &(usize, f64)|
-                    "", [axis.label(), "", None] => plan.at(*point)[k];
-                });
-            }
-            let ranking = self.setup.ranking(&self.done);
-            text += &table(&columns, ranking.into_iter().take(BEST));
-            let axes = plan.axes.iter().zip(plan.at(best.point));
-            let ends = axes.filter(|(axis, value)| *value == axis.low || *value == axis.high);
-            let ends: Vec<String> = ends.map(|(axis, _)| axis.label()).collect();
-            if !ends.is_empty() {
-                text += &format!(
-                    "\nnote: the best point is at an end of {}; a wider range may hold a better one\n",
-                    ends.join(" and ")
-                );
-            }
-            if self.search_ended == Some(false) {
-                text += "\nnote: the optimizer had not settled when it had tried as many points as --points allows; the same command \
-                         with more of them goes on\n";
-            }
-            text.push('\n');
+            text += &self.best_points(best);
         }
-        if let Some(Nearest { point, violates }) = &self.nearest {
-            text += &format!(
-                "no point meets all requirements; point {point} comes nearest and violates {violates}:\n\n"
-            );
-            let rows = plan.axes.iter().zip(plan.at(*point));
-            let mut fields = Listing::default();
-            rows.for_each(|(axis, value)| fields.row(axis.label(), value.to_string()));
-            text += &format!("{fields}\n");
+        if let Some(nearest) = &self.nearest {
+            text += &self.nearest_point(nearest);
         }
         if !self.violations.is_empty() {
             let violations = columns! { |v: &&Violations|
@@ -193,6 +161,52 @@ impl Summary<'_> {
         }
         let notes = self.notes.iter().map(|note| format!("\nnote: {note}\n"));
         text + &notes.collect::<String>()
+    }
+
+    /// The best points, and whether others may be better.
+    fn best_points(&self, best: &Best) -> String {
+        let plan = &self.setup.plan;
+        let as_drawn = best.as_drawn.map_or("refused".into(), |v| fixed(v, 4));
+        let mut columns = columns! { |(point, value): &(usize, f64)|
+            "", ["point", "", None] => *point;
+            "", ["measure", "", 4] => *value;
+        };
+        for (k, axis) in plan.axes.iter().enumerate() {
+            columns.extend(columns! { |(point, _): &(usize, f64)|
+                "", [axis.label(), "", None] => plan.at(*point)[k];
+            });
+        }
+        let ranking = self.setup.ranking(&self.done);
+        let mut text = format!(
+            "best by {}; as drawn: {as_drawn}\n\n{}",
+            best.measure,
+            table(&columns, ranking.into_iter().take(BEST))
+        );
+        let axes = plan.axes.iter().zip(plan.at(best.point));
+        let ends = axes.filter(|(axis, value)| *value == axis.low || *value == axis.high);
+        let ends: Vec<String> = ends.map(|(axis, _)| axis.label()).collect();
+        if !ends.is_empty() {
+            text += &format!(
+                "\nnote: the best point is at an end of {}; a wider range may hold a better one\n",
+                ends.join(" and ")
+            );
+        }
+        if self.search_ended == Some(false) {
+            text += "\nnote: the optimizer had not settled when it had tried as many points as --points allows; the same command \
+                     with more of them goes on\n";
+        }
+        text + "\n"
+    }
+
+    /// The point that comes nearest to the requirements, where none meets them.
+    fn nearest_point(&self, Nearest { point, violates }: &Nearest) -> String {
+        let plan = &self.setup.plan;
+        let rows = plan.axes.iter().zip(plan.at(*point));
+        let mut fields = Listing::default();
+        rows.for_each(|(axis, value)| fields.row(axis.label(), value.to_string()));
+        format!(
+            "no point meets all requirements; point {point} comes nearest and violates {violates}:\n\n{fields}\n"
+        )
     }
 
     /// Those of the last statistics, at their first torque, with the fields that are drawn.

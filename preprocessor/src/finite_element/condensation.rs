@@ -79,8 +79,10 @@ impl CondensedSector {
     pub fn on_body_of(self, own: &Mesh, other: &Mesh) -> Option<CondensedSector> {
         let nodes = SectorNodes::of(other);
         let [old, new] = [SectorNodes::of(own).places(own), nodes.places(other)];
-        let apart = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).any(|i| (a[i] - b[i]).abs() > 1e-12);
-        (old.len() == new.len() && !old.iter().zip(&new).any(apart)).then(|| CondensedSector {
+        let mut both = old.iter().zip(&new);
+        let are_alike = old.len() == new.len()
+            && both.all(|(a, b)| (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-12));
+        are_alike.then(|| CondensedSector {
             body: PeriodicBody::new(other, &nodes),
             ..self
         })

@@ -235,26 +235,7 @@ impl Mesh {
             foundation: gear.foundation,
             ..Mesh::default()
         };
-        // Nodes of each element: node of the section and number of half layers below.
-        let (mut elements, mut body) = (Vec::new(), None);
-        for (at, (quad, [column, row])) in section.quads.iter().zip(&section.cells).enumerate() {
-            if at == section.body {
-                body = Some(elements.len());
-            }
-            let Some(layers) = layers else {
-                elements.push(quad.map(|node| (node, 0)).to_vec());
-                mesh.cells.push([*column, *row, 0]);
-                continue;
-            };
-            let width = section.width(*row);
-            for layer in (0..stations.len() - 1).filter(|i| layers.holds(width, *i)) {
-                let mut element = quad.map(|node| (node, 2 * layer)).to_vec();
-                element.extend(quad.map(|node| (node, 2 * layer + 2)));
-                element.extend(quad[..4].iter().map(|node| (*node, 2 * layer + 1)));
-                elements.push(element);
-                mesh.cells.push([*column, *row, layer as i32]);
-            }
-        }
+        let elements = mesh.take_cells(section, layers);
         // Numbered as they come.
         let mut numbers = HashMap::new();
         let mut places = Vec::new();
@@ -290,7 +271,6 @@ impl Mesh {
                 mesh.sides[1].push(numbers[&(**twin, *half)]);
             }
         }
-        mesh.body = body.unwrap_or(mesh.elements.len());
         for hanging in &section.hanging {
             for half in 0..2 * stations.len() - 1 {
                 let Some(node) = numbers.get(&(hanging.node, half)) else {
@@ -323,6 +303,37 @@ impl Mesh {
             }
         }
         mesh
+    }
+
+    /// The cells of the elements of `section`, swept through `layers` if there are any, and where the body begins among them. Gives the nodes
+    /// of each element: node of the section and number of half layers below.
+    fn take_cells(
+        &mut self,
+        section: &Section,
+        layers: Option<&Layers>,
+    ) -> Vec<Vec<(usize, usize)>> {
+        let (mut elements, mut body) = (Vec::new(), None);
+        for (at, (quad, [column, row])) in section.quads.iter().zip(&section.cells).enumerate() {
+            if at == section.body {
+                body = Some(elements.len());
+            }
+            let Some(layers) = layers else {
+                elements.push(quad.map(|node| (node, 0)).to_vec());
+                self.cells.push([*column, *row, 0]);
+                continue;
+            };
+            let width = section.width(*row);
+            let count = layers.stations.len() - 1;
+            for layer in (0..count).filter(|i| layers.holds(width, *i)) {
+                let mut element = quad.map(|node| (node, 2 * layer)).to_vec();
+                element.extend(quad.map(|node| (node, 2 * layer + 2)));
+                element.extend(quad[..4].iter().map(|node| (*node, 2 * layer + 1)));
+                elements.push(element);
+                self.cells.push([*column, *row, layer as i32]);
+            }
+        }
+        self.body = body.unwrap_or(elements.len());
+        elements
     }
 
     /// Keeps `components` of the displacement of all nodes on the plane at `z` (m) at zero; loads along them are left out.

@@ -188,6 +188,7 @@ const LEAST_STIFFNESS: f64 = 1e-9;
 /// beyond.
 const USUAL_STIFFNESS: [f64; 2] = [0.01, 100.0];
 
+/// The body of `body_matrix` in gear `i` of a file in `folder`.
 fn of_matrix(
     given: &BodyMatrixFile,
     gear: &Gear,
@@ -196,94 +197,29 @@ fn of_matrix(
 ) -> Result<UnevenBody, Refusal> {
     let field = in_gear(i, "body_matrix.angle_deg");
     check(&field, given.angle_deg, [-360.0, 360.0])?;
-    let field = in_gear(i, "body_matrix.nodes_file");
-    let file = &given.nodes_file;
-    let text = text::read(&folder.join(file)).map_err(|error| {
-        refusal!(&field => file;
-            "cannot be read: {error}"; "give a file beside the pair file, and that you may read")
-    })?;
-    let mut points = nodes(&text).map_err(|problem| {
-        refusal!(&field => file;
-            "{problem}"; "give CSV with the columns x_mm, y_mm and z_mm, a row a node, in the order of the matrix")
-    })?;
-    let count = points.len();
-    ensure!((24..=MOST_NODES).contains(&count), &field => file;
-        "has {count} nodes"; "give all nodes of the body on the cylinder, 24 to {MOST_NODES}");
-    let radii: Vec<f64> = points.iter().map(|[x, y, _]| x.hypot(*y)).collect();
-    let radius = radii.iter().sum::<f64>() / count as f64;
-    let (worst, off) = (radii.iter().enumerate())
-        .map(|(node, r)| (node, (r - radius).abs()))
-        .fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
-    ensure!(off <= OFF_CYLINDER * radius, &field => file;
-        "node {} lies at the radius {:.4} mm, and the mean of all is {:.4}", worst + 1, radii[worst] / MM, radius / MM;
-        "give nodes on one cylinder about the axis, to {:.4} mm", OFF_CYLINDER * radius / MM);
-    let (root, least) = (gear.root_radius(), LEAST_DEPTH * gear.normal_module);
-    let limit = root - gear.kappa() * least;
-    let is_below = gear.kappa() * (limit - radius) >= 0.0 && (0.2..5.0).contains(&(radius / root));
-    ensure!(is_below, &field => file;
-        "the cylinder has the radius {:.4} mm, and the root circle {:.4}", radius / MM, root / MM;
-        "give coordinates in mm, and a cylinder {} {:.3} mm in radius", if gear.kappa() > 0.0 { "of at most" } else { "of at least" }, limit / MM);
-    let mut z: Vec<f64> = points.iter().map(|[.., z]| *z).collect();
-    z.sort_by(f64::total_cmp);
-    let ends = [z[0], z[count - 1]];
-    let within = -1e-6 <= ends[0] && ends[1] <= gear.face_width + 1e-6;
-    ensure!(within && ends[1] - ends[0] >= LEAST_LENGTH * gear.normal_module, &field => file;
-        "z runs from {:.4} to {:.4} mm, and the face from 0 to {:.4}", ends[0] / MM, ends[1] / MM, gear.face_width / MM;
-        "give z from the gear's z = 0 face, over the part of the face where the body joins the rim");
-    z.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * (ends[1] - ends[0]));
-    let mut angles: Vec<f64> = points.iter().map(|[x, y, _]| y.atan2(*x)).collect();
-    angles.sort_by(f64::total_cmp);
-    angles.push(angles[0] + TAU);
-    let gap = angles.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
-    let orders = (0.5 * PI / gap * (1.0 + 1e-6)) as usize;
-    ensure!(orders >= FEWEST_ORDERS, &field => file;
-        "neighbouring nodes lie up to {:.2} deg apart", gap.to_degrees();
-        "give nodes all around, at most {:.2} deg apart", 90.0 / FEWEST_ORDERS as f64);
     // The body is turned by the angle.
     let (sin, cos) = given.angle_deg.to_radians().sin_cos();
-    for point in &mut points {
-        let [x, y, z] = *point;
-        *point = [
+    let field = in_gear(i, "body_matrix.nodes_file");
+    let cylinder = Cylinder::read(&field, &given.nodes_file, gear, folder)?;
+    let points = cylinder.points.iter().map(|[x, y, z]| {
+        [
             cos * x - sin * y,
             sin * x + cos * y,
             z.clamp(0.0, gear.face_width),
-        ];
-    }
-
+        ]
+    });
+    let points = points.collect();
     let field = in_gear(i, "body_matrix.stiffness_n_per_mm_file");
     let file = &given.stiffness_n_per_mm_file;
-    let usual = "that of 2000 nodes is as long";
-    let text = text::read_up_to(&folder.join(file), LONGEST_MATRIX, usual).map_err(|error| {
-        refusal!(&field => file; "cannot be read: {error}";
-            "give a file beside the pair file, and that you may read; condense to fewer nodes, and write `symmetric`")
-    })?;
-    let stiffness = matrix_market::read(&text, 3 * MOST_NODES).map_err(|problem| {
-        refusal!(&field => file; "{problem}";
-            "give a file of the Matrix Market, `coordinate` or `array`, `real`, `general` or `symmetric`")
-    })?;
-    let size = 3 * count;
-    ensure!(stiffness.shape() == (size, size), &field => file;
-        "has {} rows and {} columns, and the {count} nodes have {size} displacements", stiffness.nrows(), stiffness.ncols();
-        "give the stiffness condensed to x, y, z of the nodes of `nodes_file`, node by node in that order");
-    let largest = stiffness.amax();
-    let odd = (&stiffness - stiffness.transpose()).amax() / largest;
-    ensure!(odd <= UNSYMMETRIC, &field => file;
-        "is not symmetric: numbers differ from their mirror images by up to {odd:.1e} of the largest"; "give the whole matrix with all its digits, or its lower triangle as `symmetric`");
-    let area = TAU * radius * (ends[1] - ends[0]);
-    let usual = gear.youngs_modulus * (area / count as f64).sqrt() * MM;
-    let share = stiffness.diagonal().amax() / usual;
-    ensure!((USUAL_STIFFNESS[0]..=USUAL_STIFFNESS[1]).contains(&share), &field => file;
-        "its largest number on the diagonal, {:.3e}, is {share:.1e} times Young's modulus times the distance of the nodes", stiffness.diagonal().amax();
-        "give it in N/mm: about {:.0e} there", rounded(usual));
-    let stiffness = rotated(&stiffness, [sin, cos]) / MM;
+    let stiffness = read_stiffness(&field, file, gear, folder, &cylinder)?;
     let body = UnevenBody {
-        radius,
-        z: ends.map(|z| z.clamp(0.0, gear.face_width)),
+        radius: cylinder.radius,
+        z: cylinder.ends.map(|z| z.clamp(0.0, gear.face_width)),
         shape: BodyShape::Nodes(Arc::new(NodalStiffness {
             points,
-            stiffness,
-            orders,
-            stations: z.len(),
+            stiffness: rotated(&stiffness, [sin, cos]) / MM,
+            orders: cylinder.orders,
+            stations: cylinder.stations,
         })),
     };
     let own = body_stiffness(gear, &body, &body_basis(gear, &body))
@@ -294,6 +230,121 @@ fn of_matrix(
         "is not positive definite: its least stiffness under smooth displacements of the cylinder is {share:.1e} of the largest";
         "give it with the body held where it is supported before it is condensed, and with the sign of a stiffness");
     Ok(body)
+}
+
+/// Nodes of a body on a cylinder about the axis, as their file has them.
+struct Cylinder {
+    /// m.
+    points: Vec<[f64; 3]>,
+    /// m.
+    radius: f64,
+    /// Lowest and highest z, m.
+    ends: [f64; 2],
+    /// Number of different z.
+    stations: usize,
+    /// Highest order of waves around the axis that the nodes resolve.
+    orders: usize,
+}
+
+impl Cylinder {
+    /// Reads the nodes in `file`, which `field` names, of a body below the teeth of `gear`.
+    fn read(field: &str, file: &str, gear: &Gear, folder: &Path) -> Result<Cylinder, Refusal> {
+        let text = text::read(&folder.join(file)).map_err(|error| {
+            refusal!(field => file;
+                "cannot be read: {error}"; "give a file beside the pair file, and that you may read")
+        })?;
+        let points = nodes(&text).map_err(|problem| {
+            refusal!(field => file;
+                "{problem}"; "give CSV with the columns x_mm, y_mm and z_mm, a row a node, in the order of the matrix")
+        })?;
+        let count = points.len();
+        ensure!((24..=MOST_NODES).contains(&count), field => file;
+            "has {count} nodes"; "give all nodes of the body on the cylinder, 24 to {MOST_NODES}");
+        let radius = common_radius(field, file, gear, &points)?;
+        let mut z: Vec<f64> = points.iter().map(|[.., z]| *z).collect();
+        z.sort_by(f64::total_cmp);
+        let ends = [z[0], z[count - 1]];
+        let within = -1e-6 <= ends[0] && ends[1] <= gear.face_width + 1e-6;
+        ensure!(within && ends[1] - ends[0] >= LEAST_LENGTH * gear.normal_module, field => file;
+            "z runs from {:.4} to {:.4} mm, and the face from 0 to {:.4}", ends[0] / MM, ends[1] / MM, gear.face_width / MM;
+            "give z from the gear's z = 0 face, over the part of the face where the body joins the rim");
+        z.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * (ends[1] - ends[0]));
+        let mut angles: Vec<f64> = points.iter().map(|[x, y, _]| y.atan2(*x)).collect();
+        angles.sort_by(f64::total_cmp);
+        angles.push(angles[0] + TAU);
+        let gap = angles.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+        let orders = (0.5 * PI / gap * (1.0 + 1e-6)) as usize;
+        ensure!(orders >= FEWEST_ORDERS, field => file;
+            "neighbouring nodes lie up to {:.2} deg apart", gap.to_degrees();
+            "give nodes all around, at most {:.2} deg apart", 90.0 / FEWEST_ORDERS as f64);
+        Ok(Cylinder {
+            radius,
+            ends,
+            stations: z.len(),
+            orders,
+            points,
+        })
+    }
+}
+
+/// Radius, m, of the cylinder on which the `points` of `file` lie, far enough below the teeth of `gear`.
+fn common_radius(
+    field: &str,
+    file: &str,
+    gear: &Gear,
+    points: &[[f64; 3]],
+) -> Result<f64, Refusal> {
+    let radii: Vec<f64> = points.iter().map(|[x, y, _]| x.hypot(*y)).collect();
+    let radius = radii.iter().sum::<f64>() / radii.len() as f64;
+    let (worst, off) = (radii.iter().enumerate())
+        .map(|(node, r)| (node, (r - radius).abs()))
+        .fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    ensure!(off <= OFF_CYLINDER * radius, field => file;
+        "node {} lies at the radius {:.4} mm, and the mean of all is {:.4}", worst + 1, radii[worst] / MM, radius / MM;
+        "give nodes on one cylinder about the axis, to {:.4} mm", OFF_CYLINDER * radius / MM);
+    let (root, least) = (gear.root_radius(), LEAST_DEPTH * gear.normal_module);
+    let limit = root - gear.kappa() * least;
+    let is_below = gear.kappa() * (limit - radius) >= 0.0 && (0.2..5.0).contains(&(radius / root));
+    ensure!(is_below, field => file;
+        "the cylinder has the radius {:.4} mm, and the root circle {:.4}", radius / MM, root / MM;
+        "give coordinates in mm, and a cylinder {} {:.3} mm in radius", if gear.kappa() > 0.0 { "of at most" } else { "of at least" }, limit / MM);
+    Ok(radius)
+}
+
+/// The matrix in `file`, N/mm, which `field` names: symmetric, of the size that the nodes of `cylinder` have, and about as stiff as a body of
+/// the material of `gear`.
+fn read_stiffness(
+    field: &str,
+    file: &str,
+    gear: &Gear,
+    folder: &Path,
+    cylinder: &Cylinder,
+) -> Result<DMatrix<f64>, Refusal> {
+    let usual = "that of 2000 nodes is as long";
+    let text = text::read_up_to(&folder.join(file), LONGEST_MATRIX, usual).map_err(|error| {
+        refusal!(field => file; "cannot be read: {error}";
+            "give a file beside the pair file, and that you may read; condense to fewer nodes, and write `symmetric`")
+    })?;
+    let stiffness = matrix_market::read(&text, 3 * MOST_NODES).map_err(|problem| {
+        refusal!(field => file; "{problem}";
+            "give a file of the Matrix Market, `coordinate` or `array`, `real`, `general` or `symmetric`")
+    })?;
+    let count = cylinder.points.len();
+    let size = 3 * count;
+    ensure!(stiffness.shape() == (size, size), field => file;
+        "has {} rows and {} columns, and the {count} nodes have {size} displacements", stiffness.nrows(), stiffness.ncols();
+        "give the stiffness condensed to x, y, z of the nodes of `nodes_file`, node by node in that order");
+    let odd = (&stiffness - stiffness.transpose()).amax() / stiffness.amax();
+    ensure!(odd <= UNSYMMETRIC, field => file;
+        "is not symmetric: numbers differ from their mirror images by up to {odd:.1e} of the largest"; "give the whole matrix with all its digits, or its lower triangle as `symmetric`");
+    let area = TAU * cylinder.radius * (cylinder.ends[1] - cylinder.ends[0]);
+    let usual = gear.youngs_modulus * (area / count as f64).sqrt() * MM;
+    let largest = stiffness.diagonal().amax();
+    let share = largest / usual;
+    ensure!((USUAL_STIFFNESS[0]..=USUAL_STIFFNESS[1]).contains(&share), field => file;
+        "its largest number on the diagonal, {largest:.3e}, is {share:.1e} times Young's modulus times the distance of the nodes";
+        "give it in N/mm: about {:.0e} there", rounded(usual));
+    Ok(stiffness)
 }
 
 /// The nodes in `text`, m.

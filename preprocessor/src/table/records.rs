@@ -121,8 +121,11 @@ impl RootStressSweep<'_> {
             let roots = PositionRoots::new(&column.problem, self.models);
             let errors = held.loads.iter().map(|&[torque, m]| {
                 let force = torque / rb;
-                let of_roots = |result: &_| roots.largest(result);
-                let exact = column.solve([&[m], &[force]], of_roots, |stress| *stress)?[0];
+                let exact = column.solve(
+                    [&[m], &[force]],
+                    |result| roots.largest(result),
+                    |stress| *stress,
+                )?[0];
                 let found = stress([force, c, m, p]);
                 Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
             });
@@ -168,17 +171,22 @@ impl<'a> Column<'a> {
     ) -> Result<Vec<S>, TableError> {
         let rb = self.solver.geometry().gears[0].base_radius();
         let is_mirrored = self.solver.is_mirrored_at_mid_face();
-        let solve = |m: f64, row: &mut [S]| {
-            let mut warm = None;
-            // From the top down each solution starts from a near one.
-            for (&force, value) in forces.iter().zip(row).rev().filter(|(f, _)| **f > 0.0) {
-                let result = self.problem.solve_torque(force * rb, m, warm.as_ref());
-                let result = result.map_err(|error| self.failed(m, error))?;
-                *value = sample(&result).map_err(|error| self.failed(m, error))?;
-                warm = Some(result);
-            }
-            Ok(())
-        };
-        rows_over_misalignment(misalignments, is_mirrored, forces.len(), mirrored, solve)
+        rows_over_misalignment(
+            misalignments,
+            is_mirrored,
+            forces.len(),
+            mirrored,
+            |m, row| {
+                let mut warm = None;
+                // From the top down each solution starts from a near one.
+                for (&force, value) in forces.iter().zip(row).rev().filter(|(f, _)| **f > 0.0) {
+                    let result = self.problem.solve_torque(force * rb, m, warm.as_ref());
+                    let result = result.map_err(|error| self.failed(m, error))?;
+                    *value = sample(&result).map_err(|error| self.failed(m, error))?;
+                    warm = Some(result);
+                }
+                Ok(())
+            },
+        )
     }
 }

@@ -237,8 +237,9 @@ pub(super) fn rows_over_misalignment<S: Copy + Default>(
     let largest = misalignments.iter().fold(0.0f64, |a, m| a.max(m.abs()));
     let mut rows = vec![S::default(); misalignments.len() * length];
     for (k, &m) in misalignments.iter().enumerate() {
-        let is_opposite = |other: &f64| is_mirrored && (other + m).abs() <= 1e-12 * largest;
-        let opposite = misalignments.iter().position(is_opposite).unwrap_or(k);
+        let mut others = misalignments.iter();
+        let opposite = others.position(|other| (other + m).abs() <= 1e-12 * largest);
+        let opposite = opposite.filter(|_| is_mirrored).unwrap_or(k);
         if opposite > k {
             continue;
         }
@@ -269,21 +270,26 @@ pub fn sweep(
     let samples = sweep_columns(outer, progress, |c, p| {
         let mut position = (source.position(flank, p, c)).map_err(failed(flank, [c, 0.0, p]))?;
         let is_mirrored = source.is_mirrored_at_mid_face();
-        let solve = |m: f64, samples: &mut [Sample]| {
-            let low = position.no_load_approach(m);
-            let top = (position.top(maximum_torque, m)).map_err(failed(flank, [c, m, p]))?;
-            samples[0].approach = low;
-            samples[nu] = top;
-            // From the top down each solution starts from a near one; the top itself is known.
-            for k in (0..nu - 1).rev() {
-                let delta = low + axes.displacement_fraction[k] * (top.approach - low);
-                let solved = position.solve(Prescribed::Approach(delta), m);
-                samples[k + 1] = solved.map_err(failed(flank, [c, m, p]))?;
-            }
-            Ok(())
-        };
         let nodes = &axes.misalignment;
-        rows_over_misalignment(nodes, is_mirrored, nu + 1, Sample::mirrored, solve)
+        rows_over_misalignment(
+            nodes,
+            is_mirrored,
+            nu + 1,
+            Sample::mirrored,
+            |m, samples| {
+                let low = position.no_load_approach(m);
+                let top = (position.top(maximum_torque, m)).map_err(failed(flank, [c, m, p]))?;
+                samples[0].approach = low;
+                samples[nu] = top;
+                // From the top down each solution starts from a near one; the top itself is known.
+                for k in (0..nu - 1).rev() {
+                    let delta = low + axes.displacement_fraction[k] * (top.approach - low);
+                    let solved = position.solve(Prescribed::Approach(delta), m);
+                    samples[k + 1] = solved.map_err(failed(flank, [c, m, p]))?;
+                }
+                Ok(())
+            },
+        )
     })?;
     // Of all `samples` in the order of the table, those with the indices `rows` of a column.
     let rows = |rows: std::ops::Range<usize>| {

@@ -1,6 +1,6 @@
 //! Errors of the subcommands.
 
-/// Any error of a subcommand; its chain is printed on one line.
+/// Any error of a subcommand.
 pub type Error = Box<dyn std::error::Error>;
 
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -12,19 +12,25 @@ macro_rules! refuse {
     };
 }
 
-/// An error and its causes on one line. A cause whose text the line contains already is left out.
+/// An error and its causes; of several in one each has a line, from the second on indented. A cause whose text is there already is
+/// left out.
 pub fn chain(error: &dyn std::error::Error) -> String {
-    let mut line = error.to_string();
+    let mut all = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
         let text = error.to_string();
-        if !line.contains(&text) {
-            line.push_str(": ");
-            line.push_str(&text);
+        if !all.contains(&text) {
+            all.push_str(": ");
+            all.push_str(&text);
         }
         cause = error.source();
     }
-    line.split_whitespace().collect::<Vec<_>>().join(" ")
+    let lines = all.lines().map(|line| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        words.join(" ")
+    });
+    let lines: Vec<String> = lines.filter(|line| !line.is_empty()).collect();
+    lines.join("\n  ")
 }
 
 #[cfg(test)]
@@ -33,10 +39,9 @@ mod tests {
     use std::io;
 
     #[test]
-    fn a_chain_of_errors_is_one_line_and_says_nothing_twice() {
-        let inner = io::Error::other("disk\nfull");
+    fn a_chain_of_errors_says_nothing_twice_and_each_of_several_on_a_line() {
+        let inner = io::Error::other("disk  full\n\nand slow\n");
         let line = chain(&io::Error::other(inner));
-        assert_eq!(line.matches("disk full").count(), 1, "{line}");
-        assert!(!line.contains('\n'));
+        assert_eq!(line, "disk full\n  and slow");
     }
 }

@@ -102,10 +102,15 @@ fn fmu(path: &Path) -> Result<(String, Value)> {
     let step = found.step_size;
     match package::step_error(unit, tables.as_ref(), step) {
         None => rows.row("communication step", format!("{step:?} s")),
-        Some(error) => rows! { rows;
-            "communication step" => "{step:?} s; costs {:.2} % rms of the variation of mesh.transmissionError under a load applied \
-                 over 2 ms, {:.2} % in steady state", 100.0 * error.run, 100.0 * error.steady;
-        },
+        Some(error) => {
+            let steady = error.steady.map_or_else(String::new, |error| {
+                format!(", {:.2} % in steady state", 100.0 * error)
+            });
+            rows! { rows;
+                "communication step" => "{step:?} s; costs {:.2} % rms of the variation of mesh.transmissionError under a load \
+                     applied over 2 ms{steady}", 100.0 * error.run;
+            }
+        }
     }
     if contact_error.is_some() && !error.starts_with("contact:") {
         rows! { rows; "error of contact at run time" => "{}", run_time_error(contact_error); }

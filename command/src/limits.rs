@@ -44,6 +44,13 @@ pub fn finite(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "give a finite number".to_owned())
 }
 
+pub fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|value| match value > 0.0 {
+        true => Ok(value),
+        false => Err("give a number above 0".to_owned()),
+    })
+}
+
 /// A parser of torques, N m, that a pair file may cover.
 pub fn torque(text: &str) -> Result<f64, String> {
     check_torque(text.parse().unwrap_or(f64::NAN))

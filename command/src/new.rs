@@ -23,7 +23,7 @@ pub struct New {
     teeth: Vec<i32>,
 
     /// Normal module, mm
-    #[arg(long, required_unless_present = "rexs", value_parser = limits::finite)]
+    #[arg(long, required_unless_present = "rexs", value_parser = limits::positive)]
     module_mm: Option<f64>,
 
     /// Face widths of gear 1 and gear 2, mm

@@ -26,29 +26,12 @@ impl NominalStiffness {
     /// Of `pair` under `torque` on gear 1, N m. None beyond the standard: profile shifts with x_1 < x_2 or a sum outside -0.5 to 2.
     pub fn new(pair: &PairGeometry, torque: f64) -> Option<NominalStiffness> {
         let (pinion, wheel) = pinion_and_wheel(pair);
-        // In the sign of the standard a ring's is reversed.
-        let [x1, x2] = [pinion, wheel].map(|gear| gear.kappa() * gear.profile_shift);
+        let [x1, x2] = [pinion, wheel].map(shift);
         if x1 < x2 || !(-0.5..=2.0).contains(&(x1 + x2)) {
             return None;
         }
         let cos_beta = pinion.helix_angle.cos();
-        let cos_beta_b = pinion.base_helix_angle().cos();
-        // Of the virtual numbers of teeth.
-        let [per_pinion, per_wheel] =
-            [pinion, wheel].map(|gear| cos_beta_b * cos_beta_b * cos_beta / gear.z());
-        let per_wheel = match wheel.kind {
-            GearKind::External => per_wheel,
-            GearKind::Ring => 0.0,
-        };
-        // mm um / N.
-        let flexibility = 0.04723 + 0.15551 * per_pinion + 0.25791 * per_wheel
-            - 0.00635 * x1
-            - 0.11654 * x1 * per_pinion
-            - 0.00193 * x2
-            - 0.24188 * x2 * per_wheel
-            + 0.00529 * x1 * x1
-            + 0.00182 * x2 * x2;
-        let theoretical = 1e9 / flexibility;
+        let theoretical = theoretical_pair_stiffness(pair);
         let blank = 0.5 * (blank(pinion) + blank(wheel));
         let rack = 0.5 * (rack(pinion) + rack(wheel));
         let [e1, e2] = [pinion, wheel].map(|gear| gear.youngs_modulus);
@@ -64,6 +47,34 @@ impl NominalStiffness {
             along_face: 0.85 * mesh,
         })
     }
+}
+
+/// Profile shift of `gear` in the sign of the standard, in which a ring's is reversed.
+fn shift(gear: &Gear) -> f64 {
+    gear.kappa() * gear.profile_shift
+}
+
+/// Theoretical single stiffness c'_th of ISO 6336-1:2006, equations 83 and 84, N/m per m of face width: of one pair of steel teeth on solid discs
+/// with a basic rack of dedendum 1.2, on the line of action in the normal section. A ring has infinitely many teeth there.
+pub fn theoretical_pair_stiffness(pair: &PairGeometry) -> f64 {
+    let (pinion, wheel) = pinion_and_wheel(pair);
+    let [x1, x2] = [pinion, wheel].map(shift);
+    // Of the virtual numbers of teeth, z_n = z / (cos² beta_b cos beta).
+    let [per_pinion, per_wheel] = [pinion, wheel].map(|gear| match gear.kind {
+        GearKind::External => {
+            gear.base_helix_angle().cos().powi(2) * gear.helix_angle.cos() / gear.z()
+        }
+        GearKind::Ring => 0.0,
+    });
+    // mm um / N.
+    let flexibility = 0.04723 + 0.15551 * per_pinion + 0.25791 * per_wheel
+        - 0.00635 * x1
+        - 0.11654 * x1 * per_pinion
+        - 0.00193 * x2
+        - 0.24188 * x2 * per_wheel
+        + 0.00529 * x1 * x1
+        + 0.00182 * x2 * x2;
+    1e9 / flexibility
 }
 
 /// Basic rack factor (C_B).
@@ -184,6 +195,13 @@ mod tests {
             NominalStiffness::new(&turned, torque).unwrap().single,
             NominalStiffness::new(&geometry, 9000.0).unwrap().single
         );
+    }
+
+    #[test]
+    fn the_theoretical_stiffness_of_a_tooth_pair_is_that_of_iso_tr_6336_30_example_1() {
+        let pair = pair::from_json(EXAMPLE).unwrap();
+        let found = 1e-9 * theoretical_pair_stiffness(&pair.geometry);
+        assert!((found - 17.8558).abs() < 1e-3, "{found}");
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub mod static_contact;
 pub mod storage;
 pub mod table;
 
-pub use iso_6336_1::{NominalContactStress, NominalStiffness};
+pub use iso_6336_1::{NominalContactStress, NominalStiffness, theoretical_pair_stiffness};
 pub use iso_6336_3::{NominalRootStress, RootSection};
 
 // Shared with tests/.

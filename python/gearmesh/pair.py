@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import difflib
 import json
 import logging
 import os
@@ -257,11 +258,29 @@ class GearPair:
 
     def __getitem__(self, output: str) -> float:
         """An output by name, as last fetched."""
-        return self._y[self.output[output]]
+        try:
+            return self._y[self.output[output]]
+        except KeyError:
+            raise KeyError(self._unknown(output, "output", self.output)) from None
 
     def __setitem__(self, name: str, value: float) -> None:
         """Writes an input by name; the next step or evaluation hands it over."""
-        self._u[self.input[name]] = value
+        try:
+            self._u[self.input[name]] = value
+        except KeyError:
+            raise KeyError(self._unknown(name, "input", self.input)) from None
+        except TypeError:
+            raise TypeError(f"{name} = {value!r}: give a number") from None
+
+    def _unknown(self, name: str, what: str, names: Collection[str]) -> str:
+        """What to say of a name that is none of ``names``."""
+        if name in self.input:
+            return f"{name} is an input, which is written"
+        if name in self.output:
+            return f"{name} is an output, which is read"
+        near = difflib.get_close_matches(name, names, 1)
+        hint = f"did you mean {near[0]}?" if near else f"docs/fmu.md has all {what}s"
+        return f"there is no {what} {name}; {hint}"
 
     @property
     def out_of_range(self) -> bool:

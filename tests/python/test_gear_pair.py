@@ -130,6 +130,15 @@ def test_interfaces_and_variables_that_do_not_exist_are_refused_by_name_and_what
         pair.initialize()
         pair["gear1.position[1]"] = float("nan")
         pair.step(1e-6)
+    with GearPair(fmu) as pair:
+        with pytest.raises(KeyError, match="did you mean gear1.moment"):
+            pair["gear1.moment[4]"]
+        with pytest.raises(KeyError, match="is an input, which is written"):
+            pair["gear1.position[1]"]
+        with pytest.raises(KeyError, match="is an output, which is read"):
+            pair["gear1.moment[3]"] = 1.0
+        with pytest.raises(TypeError, match=r"gear1.angles\[3\] = '1': give a number"):
+            pair["gear1.angles[3]"] = "1"
 
 
 def test_an_exception_has_no_line_that_the_unit_logged_before(fmus):

@@ -16,6 +16,7 @@ fn files_options_and_numbers_that_cannot_be_are_refused_by_name_and_nothing_is_w
 
     let new = "new --teeth 23 81 --face-width-mm 30 28 --torque-nm 120 --module-mm";
     refused!("{new} 0.002"; "normal_module_mm", "0.002 m is 2 mm");
+    refused!("{new} -1.75"; "'-1.75' for '--module-mm <MODULE_MM>': give a number above 0");
     refused!("{new} nan"; "'nan' for '--module-mm <MODULE_MM>': give a finite number");
     refused!("{new} 2 --pressure-angle-deg 0"; "`normal_pressure_angle_deg` = 0");
     let stages = format!("new --rexs {REXS}/stages.rexsj");

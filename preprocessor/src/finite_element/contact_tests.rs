@@ -4,9 +4,9 @@
 use super::*;
 use crate::contact::{CycleInput, LoadCase, MeshCycle};
 use crate::gear::Pair;
-use crate::package::theoretical_pair_stiffness;
 use crate::pair;
 use crate::static_contact::{ContactSolver, contact_settings};
+use crate::theoretical_pair_stiffness;
 use approx::assert_relative_eq;
 use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;

@@ -166,8 +166,8 @@ const FINER: usize = 20;
 pub struct StepError {
     /// Over the run, in which the load rises.
     pub run: f64,
-    /// Over its second half, after that.
-    pub steady: f64,
+    /// Over its second half, after that; None where that varies by less than a hundredth of the run.
+    pub steady: Option<f64>,
 }
 
 /// Errors at the communication step `step` (s). Both gears spin as steel discs at `MESH_FREQUENCY` and carry the nominal torque, which rises
@@ -196,22 +196,31 @@ pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Opt
     let found = transmission_error(unit, step).ok()?;
     let exact = transmission_error(exact?, step / finer as f64).ok()?;
     let exact: Vec<f64> = exact.into_iter().step_by(finer).collect();
-    let steady = exact.len() / 2;
+    let second = exact.len() / 2;
+    let steady = exact.get(second..)?;
+    let varies = spread(steady) > LEAST_VARIATION * spread(&exact);
+    let found_steady = found.get(second..).filter(|_| varies);
     Some(StepError {
         run: relative_error(&found, &exact)?,
-        steady: relative_error(found.get(steady..)?, exact.get(steady..)?)?,
+        steady: found_steady.and_then(|found| relative_error(found, steady)),
     })
+}
+
+/// Part of the spread of the run below which nothing is related to that of its second half: one stiffness leaves what has not died away.
+const LEAST_VARIATION: f64 = 0.01;
+
+/// Standard deviation.
+fn spread(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares = values.iter().map(|value| (value - mean).powi(2));
+    f64::sqrt(squares.sum::<f64>() / values.len() as f64)
 }
 
 /// Error of `found`, rms over that of `exact` about its mean; None where that does not vary.
 fn relative_error(found: &[f64], exact: &[f64]) -> Option<f64> {
-    let mean = exact.iter().sum::<f64>() / exact.len() as f64;
-    let (mut error, mut spread) = (0.0, 0.0);
-    for (found, exact) in found.iter().zip(exact) {
-        error += (found - exact).powi(2);
-        spread += (exact - mean).powi(2);
-    }
-    Some(f64::sqrt(error / spread)).filter(|error| error.is_finite())
+    let squares = found.iter().zip(exact).map(|(a, b)| (a - b).powi(2));
+    let error = f64::sqrt(squares.sum::<f64>() / exact.len() as f64);
+    Some(error / spread(exact)).filter(|error| error.is_finite())
 }
 
 /// `mesh.transmissionError`, m, at every communication point; the gears move exactly under loads that act as the FMU's `coupling`

@@ -121,14 +121,17 @@ pub(super) use {ensure, refusal};
 /// The least number above 0.
 pub(super) const ABOVE_0: f64 = f64::MIN_POSITIVE;
 
-/// Checks that the number at `path`, if there is one, lies in `range`, both ends included.
+/// Checks that the number at `path`, if there is one, lies in `range`, both ends included. A limit that is not a number, since it
+/// follows from a field that is refused itself, is none.
 pub(super) fn check(
     path: &str,
     value: impl Into<Option<f64>>,
     range: [f64; 2],
 ) -> Result<(), Refusal> {
+    let has_limits = !range.iter().any(|limit| limit.is_nan());
     value
         .into()
+        .filter(|_| has_limits)
         .map_or(Ok(()), |value| check_with_usual(path, value, range, range))
 }
 
@@ -169,11 +172,12 @@ pub(super) use limits;
 
 /// Units in which numbers are given by mistake: how the names of fields with another unit end, that unit, the mistaken one,
 /// and how many of the first it is.
-const MISTAKEN: [(&str, &str, &str, f64); 10] = [
+const MISTAKEN: [(&str, &str, &str, f64); 11] = [
     ("_mm", "mm", "m", 1e3),
     ("_mm", "mm", "inch", 25.4),
     ("diameter_mm", "mm in diameter", "mm in radius", 2.0),
     ("_um", "um", "mm", 1e3),
+    ("_um_per_m_k", "um/(m K)", "1/K", 1e6),
     ("_deg", "deg", "rad", 180.0 / std::f64::consts::PI),
     ("_mrad", "mrad", "rad", 1e3),
     ("_gpa", "GPa", "MPa", 1e-3),
@@ -235,6 +239,7 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
     let offset = farther(o.center_distance_offset_um);
     let tilt = o.misalignment_mrad.map_or(0.0, farther);
     let backlash = file.backlash_um.unwrap_or(0.0);
+    let housing = file.housing_thermal_expansion_um_per_m_k.unwrap_or(0.0);
     let normal_backlash = file.normal_backlash_um.map_or(0.0, Dimension::middle);
     let mut notes = vec![
         note("helix_angle_deg", helix, LEAST_HELIX),
@@ -242,14 +247,20 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
         note("normal_backlash_um", normal_backlash, 1.0),
         note("operating.center_distance_offset_um", offset, 0.1),
         note("operating.misalignment_mrad", tilt, 0.02),
+        note("housing_thermal_expansion_um_per_m_k", housing, 0.1),
     ];
     for i in 0..2 {
+        let expansion = file.gear(i).thermal_expansion_um_per_m_k;
+        let field = in_gear(i, "thermal_expansion_um_per_m_k");
+        notes.push(note(&field, expansion.unwrap_or(0.0), 0.1));
         // Stiffer than diamond: rigid, or in another unit.
-        let (name, modulus) = (
-            in_gear(i, "youngs_modulus_gpa"),
-            file.gear(i).youngs_modulus_gpa,
-        );
-        let doubt = meant(&name, modulus, [0.1, 1200.0]).filter(|_| modulus > 1200.0);
+        let table = &file.gear(i).youngs_modulus_over_temperature;
+        let (field, modulus) = match table.iter().flatten().next() {
+            Some([_, modulus]) => ("youngs_modulus_over_temperature", *modulus),
+            None => ("youngs_modulus_gpa", file.gear(i).youngs_modulus_gpa),
+        };
+        let name = in_gear(i, field);
+        let doubt = meant("_gpa", modulus, [0.1, 1200.0]).filter(|_| modulus > 1200.0);
         notes.push(doubt.map(|meant| {
             format!("`{name}` = {modulus} is a suspicious value unless the gear is rigid: {meant}")
         }));
@@ -286,12 +297,16 @@ pub const TORQUES: [f64; 2] = [1e-9, 1e9];
 
 /// Checks every field of the file by itself.
 pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusals> {
-    let module = file.normal_module_mm;
+    // Nothing else is measured by a module that is refused.
+    let module = match within(file.normal_module_mm, MODULES) {
+        true => file.normal_module_mm,
+        false => f64::NAN,
+    };
     let gears = (0..2).flat_map(|i| {
         let gear = file.gear(i);
         [check_gear(i, gear, module), check_amounts(i, gear, module)]
     });
-    let parts = [check_name(&file.name), check_pair(file)];
+    let parts = [check_name(&file.name), check_pair(file, module)];
     let rest = [
         check_held_surfaces(file).map_err(Into::into),
         check_operating(file),
@@ -306,12 +321,13 @@ fn check_name(name: &str) -> Result<(), Refusals> {
     Ok(())
 }
 
-/// What both gears have in common.
-fn check_pair(file: &PairFile) -> Result<(), Refusals> {
-    let module = file.normal_module_mm;
+/// Normal modules, mm. Smaller ones than any tooth has are metres.
+const MODULES: [f64; 2] = [0.02, 1000.0];
+
+/// What both gears have in common; `module` is NaN if it is refused.
+fn check_pair(file: &PairFile, module: f64) -> Result<(), Refusals> {
     limits! { "", file;
-        // Smaller ones than any tooth has are metres.
-        normal_module_mm: [0.02, 1000.0];
+        normal_module_mm: MODULES;
         normal_pressure_angle_deg: [10.0, 35.0];
         helix_angle_deg: [-60.0, 60.0];
         center_distance_mm: [ABOVE_0, 1e5];
@@ -442,6 +458,9 @@ pub const LARGEST_CENTER_DISTANCE_OFFSET: f64 = 1e4;
 
 /// Refuses a range without 0 or beyond `most`.
 fn check_range(field: &str, [low, high]: [f64; 2], most: f64) -> Result<(), Refusal> {
+    ensure!(low <= 0.0 && high >= 0.0, field => format!("[{}, {}]", number(low), number(high));
+        "is no range with the drawing's 0 in it"; "give [lowest, highest], such as [{}, {}]",
+        number(low.min(high).min(0.0)), number(low.max(high).max(0.0)));
     check(field, low, [-most, 0.0])?;
     check(field, high, [0.0, most])
 }
@@ -464,5 +483,9 @@ fn check_torques(o: &OperatingFile) -> Result<(), Refusals> {
     let ([least, most], nominal) = (TORQUES, o.nominal_torque_nm);
     ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
-    limits! { "operating.", o; maximum_torque_nm: [nominal, most]; }.map(drop)
+    let field = "operating.maximum_torque_nm";
+    ensure!(o.maximum_torque_nm >= nominal, field => number(o.maximum_torque_nm);
+        "is less than `operating.nominal_torque_nm` = {}", number(nominal);
+        "give the largest torque that is ever reached");
+    Ok(check(field, o.maximum_torque_nm, [nominal, most])?)
 }

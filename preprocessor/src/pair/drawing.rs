@@ -261,9 +261,12 @@ pub(super) fn gear(file: &PairFile, i: usize, helix: f64) -> Result<Gear, Refusa
         let generating = generating_profile_shift(&g, s);
         ensure!(generating.is_finite(), path => value; "is no measure of this gear with its gauge";
             "check both, `span_teeth` or `ball_diameter_mm`");
+        let usual = match right(&g) {
+            mm if mm.is_finite() => format!("without profile shift it would be {mm:.4}"),
+            _ => "its gauge fits no tooth without profile shift".into(),
+        };
         ensure!((-3.0..=3.0).contains(&generating), path => value;
-            "belongs to no tooth of this gear (profile shift {generating:.3}); without profile shift it would be {:.4}",
-            right(&g);
+            "belongs to no tooth of this gear (profile shift {generating:.3}); {usual}";
             "check it and its gauge, `span_teeth` or `ball_diameter_mm`");
         // Read from a root diameter the profile shift is no finer than that.
         let of_root = given.root_diameter_mm.filter(|_| shift.is_none());

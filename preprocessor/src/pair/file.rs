@@ -5,7 +5,8 @@
 use super::dimension::Dimension;
 use crate::gear::Refinement;
 use gearmesh::gear::ReliefShape;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, Unexpected};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Metres in a millimetre.
 pub(super) const MM: f64 = 1e-3;
@@ -98,10 +99,20 @@ macro_rules! with_modifications {
     };
 }
 
+/// A whole number, also one with a fraction of zero, as tools write it that know no other numbers.
+fn whole<'de, D: Deserializer<'de>>(fields: D) -> Result<i32, D::Error> {
+    let value = f64::deserialize(fields)?;
+    let whole =
+        (value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX)).then_some(value as i32);
+    let given = format!("`{value}`");
+    whole.ok_or_else(|| D::Error::invalid_value(Unexpected::Other(&given), &"i32"))
+}
+
 with_modifications! {
     /// One gear of the file.
     pub struct GearFile {
         /// Negative for a ring in the signs of ISO 21771.
+        #[serde(deserialize_with = "whole")]
         pub teeth: i32,
         /// > 0 thickens teeth, widens the spaces of a ring. Default: what the quantities of the drawing say, else 0.
         pub profile_shift: Option<f64>,

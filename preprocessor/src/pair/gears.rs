@@ -179,8 +179,12 @@ fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) 
             refusal!(tip => value; "{error}"; "choose a tip diameter above {base:.3} mm, or more teeth")
         }
         ProfileError::RoundTooLarge => {
+            let smaller = match gear.tool_tip_radius_coefficient > 0.0 {
+                true => "a smaller radius or ",
+                false => "",
+            };
             refusal!(in_gear(i, "tool_tip_radius_coefficient") => gear.tool_tip_radius_coefficient;
-                "{error}"; "choose a smaller radius or a smaller `dedendum_coefficient`")
+                "{error}"; "choose {smaller}a smaller `dedendum_coefficient`")
         }
         ProfileError::RootCircle => {
             refusal!(in_gear(i, "dedendum_coefficient") => gear.dedendum_coefficient;

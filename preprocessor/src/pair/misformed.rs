@@ -146,6 +146,7 @@ fn line_of(plain: &[u8], path: &Path) -> usize {
 /// The error in plain words, with the path of its field and the text about its place.
 pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misformed {
     let (line, column) = (error.line(), error.column());
+    let here = text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
     let error = error.to_string();
     let said = error.split(" at line ").next().unwrap_or(&error);
     let quoted: Vec<&str> = said.split('`').skip(1).step_by(2).collect();
@@ -162,13 +163,28 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
             field = format!("{path}{group}{name}");
             "this field is required and missing".into()
         }
+        _ if said == "expected value" && is_a_value(here, column, &field) => {
+            "this value has no meaning here; one of the names of this field in double quotes is expected, or fields in braces such \
+             as { \"diameter_mm\": 88.0 } where it has some".into()
+        }
+        _ if said == "expected value" && has_second_name(here, column) => {
+            "one name with its value is expected in these braces, such as { \"diameter_mm\": 88.0 }; leave the others out".into()
+        }
+        [name, ..] if said.starts_with("duplicate field") => {
+            format!("`{name}` stands twice; leave one of them out")
+        }
         _ => match said.split_once(", expected ") {
+            Some((given, "an array of length 2")) if field.contains("_over_temperature") => {
+                mistyped(given, "a list of pairs [°C, GPa]")
+            }
+            Some((given, "an array of length 2")) if field.ends_with("_ra_um") => {
+                mistyped(given, "[gear 1, gear 2]")
+            }
             Some((given, expected)) => mistyped(given, expected),
             None => in_plain_words(said, &field).to_owned(),
         },
     };
-    let about: String = (text.lines().nth(line.saturating_sub(1)).unwrap_or_default())
-        .chars()
+    let about: String = (here.chars())
         .skip(column.saturating_sub(50))
         .take(70)
         .collect();
@@ -178,6 +194,30 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
         field: shown(&field),
         message: if line == 0 { message } else { message + &place },
     }
+}
+
+/// Whether at that column of the line `here`, counted from 1, a value of `field` itself begins.
+fn is_a_value(here: &str, column: usize, field: &str) -> bool {
+    let name = field.rsplit('.').next().unwrap_or(field);
+    let before: String = here.chars().take(column.saturating_sub(1)).collect();
+    let is_named = before
+        .trim_end()
+        .strip_suffix(':')
+        .is_some_and(|before| before.trim_end().ends_with(&format!("\"{name}\"")));
+    let mut value = here.chars().skip(column.saturating_sub(1));
+    is_named
+        && value
+            .next()
+            .is_some_and(|c| c.is_ascii_digit() || "-tf".contains(c))
+}
+
+/// Whether behind that many characters of the line `here`, which end with a value, a comma stands where braces should close.
+fn has_second_name(here: &str, column: usize) -> bool {
+    let mut rest = here.chars();
+    let before: Vec<char> = rest.by_ref().take(column).collect();
+    let last = before.into_iter().rev().find(|c| !c.is_whitespace());
+    let ends_a_value = last.is_some_and(|c| !":[,".contains(c));
+    ends_a_value && rest.find(|c| !c.is_whitespace()) == Some(',')
 }
 
 /// What to say of text that is no JSON.
@@ -206,9 +246,6 @@ fn in_plain_words<'a>(said: &'a str, field: &str) -> &'a str {
         }
         _ if said.starts_with("EOF") => {
             "the file ends before its last bracket is closed; it may have been cut"
-        }
-        _ if said.starts_with("duplicate field") => {
-            "this field stands twice; leave one of them out"
         }
         other => other,
     }

@@ -183,6 +183,7 @@ fn resolve_pair(
     let profiles = [profile1, profile2];
     notes.extend(load_notes);
     notes.extend(checks::notes(file, helix));
+    notes.extend(temperature::note(file));
     notes.extend((0..2).filter_map(|i| gears::small_bore(&geometry, i)));
     notes.extend(gears::default_held(file, &geometry));
     notes.extend(drawing::odd_thickness(file, &geometry));

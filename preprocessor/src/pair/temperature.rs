@@ -7,7 +7,7 @@
 use super::checks::{ABOVE_0, Refusal, check, ensure, in_gear};
 use super::file::{GearFile, PairFile, UM};
 use gearmesh::gear::{Gear, Microgeometry, PairGeometry, PairMicrogeometry, ProfileSlope};
-use gearmesh::words::rounded;
+use gearmesh::words::{rounded, significant};
 
 /// Temperature of the drawing (ISO 1), °C.
 pub(super) const OF_DRAWING: f64 = 20.0;
@@ -22,6 +22,20 @@ fn check_expansion(file: &PairFile, field: &str, um: Option<f64>) -> Result<(), 
     ensure!(file.operating.temperature_c.is_some(), field => um;
         "nothing says how warm the gears are"; "give `operating.temperature_c`, or leave it out");
     check(field, um, [0.0, 500.0])
+}
+
+/// A note on a temperature of which nothing depends.
+pub(super) fn note(file: &PairFile) -> Option<String> {
+    let celsius = file.operating.temperature_c.filter(|t| *t != OF_DRAWING)?;
+    let depends = [&file.gear1, &file.gear2].iter().any(|gear| {
+        gear.youngs_modulus_over_temperature.is_some()
+            || gear.thermal_expansion_um_per_m_k.is_some()
+    });
+    (!depends && file.housing_thermal_expansion_um_per_m_k.is_none()).then(|| {
+        format!(
+            "`operating.temperature_c` = {celsius} changes nothing: no thermal expansion is given, and no Young's modulus over the temperature"
+        )
+    })
 }
 
 /// Checks the fields that this module reads.
@@ -115,8 +129,9 @@ pub(super) fn expand(
         geometry.gears[i].tooth_thinning -= thicker;
     }
     let backlash = geometry.backlash(geometry.center_distance);
-    ensure!(backlash >= 0.0, "operating.temperature_c" => temperature(file);
-        "the warm teeth jam by {:.1} um on the line of action", -backlash / UM;
+    // Without backlash, gears and housing that grow alike leave a rounding.
+    ensure!(backlash >= -1e-3 * UM, "operating.temperature_c" => temperature(file);
+        "the warm teeth jam by {} um on the line of action", significant(-backlash / UM, 2);
         "give more backlash, or the expansion of the housing");
     Ok(())
 }

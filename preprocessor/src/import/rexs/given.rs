@@ -16,6 +16,15 @@ fn scale(unit: &str) -> Option<f64> {
     }
 }
 
+/// What the attribute `id` is measured in, as its name says, with units of that.
+fn quantity(id: &str) -> (&'static str, &'static [&'static str]) {
+    match id {
+        _ if id.contains("angle") => ("an angle", &["°", "deg", "rad"]),
+        _ if id.contains("modulus") => ("a modulus", &["GPa", "MPa", "N/mm^2", "N/mm²"]),
+        _ => ("a length or a number", &["mm", "mum", "µm", "um", "m"]),
+    }
+}
+
 pub(super) fn um(mm: f64) -> f64 {
     rounded(1e3 * mm)
 }
@@ -40,6 +49,15 @@ fn numbers(component: &Component, a: &Attribute) -> Result<Vec<f64>> {
             a.unit
         ));
     };
+    let (what, units) = quantity(&a.id);
+    let unit = a.unit.replace(' ', "");
+    if !["none", ""].contains(&&unit[..]) && !units.contains(&&unit[..]) {
+        return refused(format!(
+            "{attribute}: unit `{}`, and it is {what}; give it in one of {}",
+            a.unit,
+            units.join(", ")
+        ));
+    }
     let cells = match &a.value {
         Value::Array(cells) => &cells[..],
         one => std::slice::from_ref(one),

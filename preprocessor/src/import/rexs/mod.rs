@@ -158,28 +158,11 @@ impl<'a> Draft<'a> {
         let module = self.required("normal_module_mm", &parts, "normal_module")?;
         let alpha = self.required("normal_pressure_angle_deg", &parts, "normal_pressure_angle")?;
         let helix = self.helix(is_internal)?;
-        let mut teeth = [0.0; 2];
-        for (i, teeth) in teeth.iter_mut().enumerate() {
-            let parts = self.teeth[i].clone();
-            let number =
-                self.required(&format!("gear{}.teeth", i + 1), &parts, "number_of_teeth")?;
-            if number.fract() != 0.0 {
-                return refused(format!(
-                    "gear{}.teeth: number_of_teeth = {number} is no whole number; correct it in the REXS file",
-                    i + 1
-                ));
-            }
-            *teeth = if self.is_ring(i) {
-                -number.abs()
-            } else {
-                number.abs()
-            };
-        }
         let basic = Basic {
             module,
             alpha: alpha.to_radians(),
             helix: helix.to_radians().abs(),
-            teeth,
+            teeth: [self.number_of_teeth(0)?, self.number_of_teeth(1)?],
         };
         let distance = self.center_distance()?;
         let mut gears = [self.gear(0, &basic)?, self.gear(1, &basic)?];
@@ -193,7 +176,7 @@ impl<'a> Draft<'a> {
         let widths = gears.each_ref().map(|gear| gear.get("face_width_mm"));
         let [b1, b2] = widths.map(|width| width.and_then(Value::as_f64).unwrap_or(0.0));
         // A hundred newtons for each mm of face and of module.
-        let usual = rounded((0.05 * b1.min(b2) * module * module * teeth[0]).ceil());
+        let usual = rounded((0.05 * b1.min(b2) * module * module * basic.teeth[0]).ceil());
         if torque.is_none() {
             let line = format!(
                 "operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm"
@@ -246,6 +229,22 @@ impl<'a> Draft<'a> {
         Ok(Imported {
             text: format!("{comments}{file:#}\n"),
             account: lines.concat(),
+        })
+    }
+
+    /// Number of teeth of gear `i`, negative for a ring.
+    fn number_of_teeth(&mut self, i: usize) -> Result<f64> {
+        let parts = self.teeth[i].clone();
+        let number = self.required(&format!("gear{}.teeth", i + 1), &parts, "number_of_teeth")?;
+        if number.fract() != 0.0 {
+            return refused(format!(
+                "gear{}.teeth: number_of_teeth = {number} is no whole number; correct it in the REXS file",
+                i + 1
+            ));
+        }
+        Ok(match self.is_ring(i) {
+            true => -number.abs(),
+            false => number.abs(),
         })
     }
 
@@ -304,7 +303,9 @@ impl<'a> Draft<'a> {
                 let value = format!("{} = {}", a.id, a.shown());
                 // Nothing to take off; a shift of zero is a shift.
                 let is_zero = !a.id.contains("shift") && a.shown().trim().parse() == Ok(0.0);
-                let is_geometry = GEOMETRY.iter().any(|word| a.id.contains(word));
+                // The last is no name of REXS, but is written for `helix_angle_reference_diameter`.
+                let is_geometry =
+                    GEOMETRY.iter().any(|word| a.id.contains(word)) || a.id == "helix_angle";
                 if is_geometry && !is_zero && !a.is_empty() {
                     let line = format!(
                         "{} {}: {value} is left out and changes the geometry",

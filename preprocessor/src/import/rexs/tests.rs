@@ -534,3 +534,40 @@ fn arrays_in_base64_are_their_numbers_and_teeth_are_whole() {
         .to_string();
     assert!(error.contains("number_of_teeth = 27.4"), "{error}");
 }
+
+#[test]
+fn a_unit_of_another_quantity_is_refused_with_those_that_are_right() {
+    let text = String::from_utf8(File::default().bytes()).unwrap();
+    for (id, unit, words) in [
+        (
+            "normal_module",
+            "rad",
+            "a length or a number; give it in one of mm",
+        ),
+        (
+            "face_width",
+            "MPa",
+            "a length or a number; give it in one of mm",
+        ),
+        (
+            "normal_pressure_angle",
+            "mm",
+            "an angle; give it in one of °",
+        ),
+    ] {
+        let mut model: Value = serde_json::from_str(&text).unwrap();
+        let components = model["model"]["components"].as_array_mut().unwrap();
+        let attributes = components
+            .iter_mut()
+            .filter_map(|component| component["attributes"].as_array_mut())
+            .flatten();
+        for attribute in attributes.filter(|attribute| attribute["id"] == id) {
+            attribute["unit"] = json!(unit);
+        }
+        let refused = from_bytes(model.to_string().into_bytes(), "stage").unwrap_err();
+        says(
+            &refused.to_string(),
+            &format!("unit `{unit}`, and it is {words}"),
+        );
+    }
+}

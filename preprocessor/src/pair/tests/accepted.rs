@@ -27,6 +27,12 @@ fn the_papers_rounded_centre_distance_is_free_of_backlash() {
 }
 
 #[test]
+fn numbers_of_teeth_may_be_written_with_a_fraction_of_zero() {
+    let g = pair(PAPER, r#"{"gear1": {"teeth": 20.0}}"#).geometry;
+    assert_eq!(g.gears[0].teeth, 20);
+}
+
+#[test]
 fn shipped_pairs_are_accepted_and_nothing_of_them_is_suspicious() {
     for text in [PAPER, UNMODIFIED, SPUR, HELICAL, INTERNAL] {
         let mut notes = pair(text, "{}").warnings;

@@ -62,6 +62,16 @@ fn following_the_remedy_of_an_interference_lifts_it() {
 }
 
 #[test]
+fn a_refused_module_gives_no_limits_to_other_fields() {
+    let text = patched(PAPER, r#"{"normal_module_mm": 0, "backlash_um": 50}"#);
+    let Err(PairError::Refused(refusals)) = from_json(&text) else {
+        panic!("not refused");
+    };
+    let fields = refusals.all().iter().map(|refusal| &refusal.field[..]);
+    assert_eq!(fields.collect::<Vec<_>>(), ["normal_module_mm"]);
+}
+
+#[test]
 fn a_limit_as_it_is_shown_is_allowed() {
     // 0.1 * 1.5 is 0.15000000000000002.
     let patch = r#"{"normal_module_mm": 1.5, "gear1": {"face_width_mm": 0.15}}"#;
@@ -196,6 +206,10 @@ fn a_value_of_another_form_is_refused_by_field_and_value_without_the_words_of_a_
         let mut jargon = jargon.split('|');
         assert!(!jargon.any(|word| message.contains(word)), "{message}");
     }
+    let table = r#"{"gear1": {"youngs_modulus_over_temperature": [20, 2.8]}}"#;
+    let (field, message) = form(&patched(PAPER, table));
+    assert_eq!(field, "gear1.youngs_modulus_over_temperature[0]");
+    assert!(message.contains("[°C, GPa]"), "{message}");
     let (field, message) = form(&patched(PAPER, r#"{"gear2": {"teeth": null}}"#));
     assert_eq!(field, "gear2.teeth");
     assert!(message.contains("required and missing"), "{message}");

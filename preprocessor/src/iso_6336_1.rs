@@ -56,6 +56,7 @@ fn shift(gear: &Gear) -> f64 {
 
 /// Theoretical single stiffness c'_th of ISO 6336-1:2006, equations 83 and 84, N/m per m of face width: of one pair of steel teeth on solid discs
 /// with a basic rack of dedendum 1.2, on the line of action in the normal section. A ring has infinitely many teeth there.
+/// Beyond the limits of [`NominalStiffness::new`] it is an extrapolation.
 pub fn theoretical_pair_stiffness(pair: &PairGeometry) -> f64 {
     let (pinion, wheel) = pinion_and_wheel(pair);
     let [x1, x2] = [pinion, wheel].map(shift);

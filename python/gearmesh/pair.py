@@ -266,9 +266,11 @@ class GearPair:
     def __setitem__(self, name: str, value: float) -> None:
         """Writes an input by name; the next step or evaluation hands it over."""
         try:
-            self._u[self.input[name]] = value
+            index = self.input[name]
         except KeyError:
             raise KeyError(self._unknown(name, "input", self.input)) from None
+        try:
+            self._u[index] = value
         except TypeError:
             raise TypeError(f"{name} = {value!r}: give a number") from None
 
@@ -278,7 +280,7 @@ class GearPair:
             return f"{name} is an input, which is written"
         if name in self.output:
             return f"{name} is an output, which is read"
-        near = difflib.get_close_matches(name, names, 1)
+        near = difflib.get_close_matches(str(name), names, 1)
         hint = f"did you mean {near[0]}?" if near else f"docs/fmu.md has all {what}s"
         return f"there is no {what} {name}; {hint}"
 

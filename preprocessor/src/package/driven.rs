@@ -206,7 +206,7 @@ pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Opt
     })
 }
 
-/// Part of the spread of the run below which nothing is related to that of its second half: one stiffness leaves what has not died away.
+/// Share of the spread of the run below which the second half is only the decaying transient, as with constant stiffness, and no error is given.
 const LEAST_VARIATION: f64 = 0.01;
 
 /// Standard deviation.

@@ -121,8 +121,8 @@ pub(super) use {ensure, refusal};
 /// The least number above 0.
 pub(super) const ABOVE_0: f64 = f64::MIN_POSITIVE;
 
-/// Checks that the number at `path`, if there is one, lies in `range`, both ends included. A limit that is not a number, since it
-/// follows from a field that is refused itself, is none.
+/// Checks that the number at `path`, if there is one, lies in `range`, both ends included. A range with a limit that is not a
+/// number, since it follows from a field that is refused itself, is not checked.
 pub(super) fn check(
     path: &str,
     value: impl Into<Option<f64>>,
@@ -484,8 +484,13 @@ fn check_torques(o: &OperatingFile) -> Result<(), Refusals> {
     ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
     let field = "operating.maximum_torque_nm";
-    ensure!(o.maximum_torque_nm >= nominal, field => number(o.maximum_torque_nm);
+    let (maximum, largest) = (
+        o.maximum_torque_nm,
+        "give the largest torque that is ever reached",
+    );
+    // A limit as it is shown is allowed, too.
+    ensure!(maximum >= nominal.min(rounded(nominal)), field => number(maximum);
         "is less than `operating.nominal_torque_nm` = {}", number(nominal);
-        "give the largest torque that is ever reached");
-    Ok(check(field, o.maximum_torque_nm, [nominal, most])?)
+        "{}", remedy(field, maximum, [nominal, most], largest));
+    Ok(check(field, maximum, [least, most])?)
 }

@@ -167,7 +167,7 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
             "this value has no meaning here; one of the names of this field in double quotes is expected, or fields in braces such \
              as { \"diameter_mm\": 88.0 } where it has some".into()
         }
-        _ if said == "expected value" && has_second_name(here, column) => {
+        _ if said == "expected value" && field.ends_with("start") && has_second_name(here, column) => {
             "one name with its value is expected in these braces, such as { \"diameter_mm\": 88.0 }; leave the others out".into()
         }
         [name, ..] if said.starts_with("duplicate field") => {
@@ -175,7 +175,7 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
         }
         _ => match said.split_once(", expected ") {
             Some((given, "an array of length 2")) if field.contains("_over_temperature") => {
-                mistyped(given, "a list of pairs [°C, GPa]")
+                mistyped(given, "a pair [°C, GPa]")
             }
             Some((given, "an array of length 2")) if field.ends_with("_ra_um") => {
                 mistyped(given, "[gear 1, gear 2]")
@@ -196,28 +196,24 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
     }
 }
 
-/// Whether at that column of the line `here`, counted from 1, a value of `field` itself begins.
+/// Whether a value of `field` itself begins at that byte of the line `here`, counted from 1.
 fn is_a_value(here: &str, column: usize, field: &str) -> bool {
+    let Some((before, value)) = here.split_at_checked(column.saturating_sub(1)) else {
+        return false;
+    };
     let name = field.rsplit('.').next().unwrap_or(field);
-    let before: String = here.chars().take(column.saturating_sub(1)).collect();
-    let is_named = before
-        .trim_end()
-        .strip_suffix(':')
-        .is_some_and(|before| before.trim_end().ends_with(&format!("\"{name}\"")));
-    let mut value = here.chars().skip(column.saturating_sub(1));
-    is_named
-        && value
-            .next()
-            .is_some_and(|c| c.is_ascii_digit() || "-tf".contains(c))
+    let before = before.trim_end().strip_suffix(':').map(str::trim_end);
+    before.is_some_and(|before| before.ends_with(&format!("\"{name}\"")))
+        && value.starts_with(|c: char| c.is_ascii_digit() || "-tfn[".contains(c))
 }
 
-/// Whether behind that many characters of the line `here`, which end with a value, a comma stands where braces should close.
+/// Whether a value ends with that many bytes of the line `here`, and a comma stands where braces should close.
 fn has_second_name(here: &str, column: usize) -> bool {
-    let mut rest = here.chars();
-    let before: Vec<char> = rest.by_ref().take(column).collect();
-    let last = before.into_iter().rev().find(|c| !c.is_whitespace());
-    let ends_a_value = last.is_some_and(|c| !":[,".contains(c));
-    ends_a_value && rest.find(|c| !c.is_whitespace()) == Some(',')
+    here.split_at_checked(column)
+        .is_some_and(|(before, after)| {
+            before.ends_with(|c: char| c.is_ascii_digit() || c == '"')
+                && after.trim_start().starts_with(',')
+        })
 }
 
 /// What to say of text that is no JSON.

@@ -24,7 +24,7 @@ fn check_expansion(file: &PairFile, field: &str, um: Option<f64>) -> Result<(), 
     check(field, um, [0.0, 500.0])
 }
 
-/// A note on a temperature of which nothing depends.
+/// A note on a temperature on which nothing depends.
 pub(super) fn note(file: &PairFile) -> Option<String> {
     let celsius = file.operating.temperature_c.filter(|t| *t != OF_DRAWING)?;
     let depends = [&file.gear1, &file.gear2].iter().any(|gear| {

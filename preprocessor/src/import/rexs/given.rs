@@ -5,24 +5,61 @@ use serde_json::Value;
 
 use super::model::{Attribute, Component, Result, refused};
 
-/// Number of mm, degrees or GPa in the unit of REXS.
-fn scale(unit: &str) -> Option<f64> {
-    match unit.replace(' ', "").as_str() {
-        "none" | "" | "mm" | "°" | "deg" | "GPa" => Some(1.0),
-        "mum" | "µm" | "um" | "MPa" | "N/mm^2" | "N/mm²" => Some(1e-3),
-        "m" => Some(1e3),
-        "rad" => Some(1f64.to_degrees()),
-        _ => None,
+/// What the attribute `id` is measured in, as its name says, with the units of that and how many mm, degrees or GPa each is.
+fn quantity(id: &str) -> (&'static str, &'static [(&'static str, f64)]) {
+    match id {
+        _ if id.contains("angle") => (
+            "an angle",
+            &[
+                ("°", 1.0),
+                ("deg", 1.0),
+                ("rad", 180.0 / std::f64::consts::PI),
+            ],
+        ),
+        _ if id.contains("modulus") => (
+            "a modulus",
+            &[
+                ("MPa", 1e-3),
+                ("N/mm^2", 1e-3),
+                ("N/mm²", 1e-3),
+                ("GPa", 1.0),
+            ],
+        ),
+        _ if ["number", "coefficient", "factor", "ratio"]
+            .iter()
+            .any(|word| id.contains(word)) =>
+        {
+            ("a number", &[])
+        }
+        _ => (
+            "a length",
+            &[
+                ("mm", 1.0),
+                ("mum", 1e-3),
+                ("µm", 1e-3),
+                ("um", 1e-3),
+                ("m", 1e3),
+            ],
+        ),
     }
 }
 
-/// What the attribute `id` is measured in, as its name says, with units of that.
-fn quantity(id: &str) -> (&'static str, &'static [&'static str]) {
-    match id {
-        _ if id.contains("angle") => ("an angle", &["°", "deg", "rad"]),
-        _ if id.contains("modulus") => ("a modulus", &["GPa", "MPa", "N/mm^2", "N/mm²"]),
-        _ => ("a length or a number", &["mm", "mum", "µm", "um", "m"]),
+/// How many mm, degrees or GPa the unit of the attribute `a` is, 1 where it has none; else why it cannot be.
+fn scale(a: &Attribute) -> std::result::Result<f64, String> {
+    let unit = a.unit.replace(' ', "");
+    let (what, units) = quantity(&a.id);
+    if ["none", ""].contains(&&unit[..]) {
+        return Ok(1.0);
     }
+    let known = units.iter().find(|(name, _)| *name == unit);
+    known.map(|(_, scale)| *scale).ok_or_else(|| {
+        let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
+        let (unit, names) = (&a.unit, names.join(", "));
+        match units.is_empty() {
+            true => format!("unit `{unit}`, and it is {what}; give it without a unit"),
+            false => format!("unit `{unit}`, and it is {what}; give it in one of {names}"),
+        }
+    })
 }
 
 pub(super) fn um(mm: f64) -> f64 {
@@ -43,21 +80,10 @@ pub(super) struct Given {
 /// The attribute `a` of `component` as numbers.
 fn numbers(component: &Component, a: &Attribute) -> Result<Vec<f64>> {
     let attribute = format!("attribute `{}` of component {}", a.id, component.id);
-    let Some(scale) = scale(&a.unit) else {
-        return refused(format!(
-            "{attribute}: unit `{}` is none of mm, mum, m, °, rad, MPa, N / mm^2",
-            a.unit
-        ));
+    let scale = match scale(a) {
+        Ok(scale) => scale,
+        Err(problem) => return refused(format!("{attribute}: {problem}")),
     };
-    let (what, units) = quantity(&a.id);
-    let unit = a.unit.replace(' ', "");
-    if !["none", ""].contains(&&unit[..]) && !units.contains(&&unit[..]) {
-        return refused(format!(
-            "{attribute}: unit `{}`, and it is {what}; give it in one of {}",
-            a.unit,
-            units.join(", ")
-        ));
-    }
     let cells = match &a.value {
         Value::Array(cells) => &cells[..],
         one => std::slice::from_ref(one),

@@ -303,7 +303,7 @@ impl<'a> Draft<'a> {
                 let value = format!("{} = {}", a.id, a.shown());
                 // Nothing to take off; a shift of zero is a shift.
                 let is_zero = !a.id.contains("shift") && a.shown().trim().parse() == Ok(0.0);
-                // The last is no name of REXS, but is written for `helix_angle_reference_diameter`.
+                // `helix_angle` is no name of REXS, but is written for `helix_angle_reference_diameter`.
                 let is_geometry =
                     GEOMETRY.iter().any(|word| a.id.contains(word)) || a.id == "helix_angle";
                 if is_geometry && !is_zero && !a.is_empty() {

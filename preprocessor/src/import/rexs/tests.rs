@@ -539,16 +539,9 @@ fn arrays_in_base64_are_their_numbers_and_teeth_are_whole() {
 fn a_unit_of_another_quantity_is_refused_with_those_that_are_right() {
     let text = String::from_utf8(File::default().bytes()).unwrap();
     for (id, unit, words) in [
-        (
-            "normal_module",
-            "rad",
-            "a length or a number; give it in one of mm",
-        ),
-        (
-            "face_width",
-            "MPa",
-            "a length or a number; give it in one of mm",
-        ),
+        ("normal_module", "rad", "a length; give it in one of mm"),
+        ("number_of_teeth", "m", "a number; give it without a unit"),
+        ("face_width", "MPa", "a length; give it in one of mm"),
         (
             "normal_pressure_angle",
             "mm",

@@ -1,5 +1,26 @@
 //! The headline figures of docs/validation.md, by the code that finds them.
 
+mod energy {
+    use gearmesh::element::{Formulation, Interpolation};
+    use gearmesh_validation::stability::energy::*;
+
+    #[test]
+    fn a_gear_in_six_freedoms_keeps_its_energy_in_the_conjugate_formulation_alone() {
+        let drift = |formulation| {
+            let parameters = choice(formulation, Interpolation::Spline);
+            let run = long_run(&Case::sampled(), parameters, 40_000).unwrap();
+            run.error
+        };
+        let conjugate = drift(Formulation::Conjugate);
+        let paper = drift(Formulation::Paper);
+        assert!(
+            conjugate < 1e-5,
+            "conjugate: {conjugate:.1e} of the kinetic energy"
+        );
+        assert!(paper > 1e-2, "paper: {paper:.1e}");
+    }
+}
+
 mod continuity {
     use gearmesh::element::{Formulation, Interpolation, LoadedFlank};
     use gearmesh_validation::stability::Real;

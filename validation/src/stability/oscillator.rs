@@ -155,9 +155,6 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             "free, undamped, amplitude {a} | period | {exact:.5} | {found:.5} ({off:+.4} %)"
         ));
     }
-    data.table(
-        "oscillator",
-        "case | quantity | expected | closed form",
-        &rows,
-    )
+    let head = "case | quantity | expected | found";
+    data.table("oscillator", head, &rows)
 }

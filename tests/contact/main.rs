@@ -4,8 +4,6 @@
 mod element;
 #[path = "../common/fzg.rs"]
 mod fzg;
-#[path = "../common/gear1.rs"]
-mod gear1;
 #[path = "../common/gears.rs"]
 mod gears;
 #[path = "../common/solver.rs"]
@@ -18,7 +16,6 @@ mod levels;
 mod mechanics;
 mod paper;
 mod realistic;
-mod reference;
 mod root_stress;
 mod runtime;
 mod shaft;

@@ -3,6 +3,8 @@
 use super::*;
 
 const SHIPPED: [&str; 4] = [PAPER, HELICAL, RING, SPUR];
+/// With a wheel of plastic.
+const PLASTIC: &str = include_str!("../data/plastic_reference.json");
 
 fn shipped() -> impl Iterator<Item = (Pair, ContactSolver)> {
     SHIPPED.iter().map(|text| {
@@ -56,7 +58,8 @@ fn tangents_are_the_derivatives_of_load_and_moment() {
 
 #[test]
 fn forces_of_segments_change_with_approach_and_misalignment_by_their_slopes() {
-    let (soft, _) = super::reference::reference("plastic");
+    let plastic: Value = serde_json::from_str(PLASTIC).unwrap();
+    let soft = pair::from_json(&plastic["cases"]["plastic"]["pair"].to_string()).unwrap();
     let torque = 0.5 * soft.operating.nominal_torque;
     let soft_solver = coarse_solver(&soft, with_stations(8));
     let mut solved: Vec<_> = shipped()

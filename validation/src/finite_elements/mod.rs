@@ -2,6 +2,7 @@
 
 pub mod convergence;
 pub mod cost;
+mod gear1;
 pub mod held;
 pub mod mesh;
 pub mod plane;

@@ -1,4 +1,4 @@
-"""A program in C of about a hundred lines, compiled here: c_program/host.c."""
+"""A program in C of about a hundred lines, compiled here: c_program/host.c and unit.h."""
 
 import shutil
 import subprocess

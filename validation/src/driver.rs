@@ -332,7 +332,7 @@ pub enum Master {
 
 /// How a master couples, and what the element is told of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
+pub struct Scheme {
     pub master: Master,
     /// What the element takes the master for.
     pub coupling: Coupling,
@@ -340,7 +340,7 @@ pub struct Way {
     pub effective_mass: f64,
 }
 
-impl Way {
+impl Scheme {
     /// Held loads.
     pub fn held(master: Master) -> Self {
         Self {
@@ -367,7 +367,7 @@ impl Way {
 /// A running co-simulation.
 pub struct CoSimulation<'a> {
     scene: &'a Scene,
-    way: Way,
+    scheme: Scheme,
     /// Communication step H, s.
     step: f64,
     /// Runge-Kutta steps of the gears within one communication step.
@@ -386,7 +386,7 @@ impl<'a> CoSimulation<'a> {
     /// divides into `substeps`.
     pub fn new(
         scene: &'a Scene,
-        way: Way,
+        scheme: Scheme,
         state: State,
         step: f64,
         substeps: usize,
@@ -394,7 +394,7 @@ impl<'a> CoSimulation<'a> {
         let loads = Loads::at(&scene.contact(0.0, &state)?);
         Ok(Self {
             scene,
-            way,
+            scheme,
             step,
             substeps,
             time: 0.0,
@@ -407,15 +407,15 @@ impl<'a> CoSimulation<'a> {
     /// One communication step.
     pub fn advance(&mut self) -> Result<()> {
         let request = StepRequest {
-            coupling: self.way.coupling,
+            coupling: self.scheme.coupling,
             length: self.step,
-            effective_mass: self.way.effective_mass,
+            effective_mass: self.scheme.effective_mass,
         };
         let inputs = self.scene.inputs(self.time, &self.state);
         let (element, phase) = (&self.scene.element, &self.scene.phase);
         let workspace = &mut self.scene.workspace.borrow_mut();
         let predicted = element.predict(phase, &inputs, self.last.as_ref(), &request, workspace)?;
-        let acting = match self.way.master {
+        let acting = match self.scheme.master {
             Master::Sequential => predicted.loads,
             Master::Parallel => self.loads,
         };

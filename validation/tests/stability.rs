@@ -68,7 +68,7 @@ mod continuity {
 }
 
 mod cosimulation {
-    use gearmesh_validation::driver::{Master, Way};
+    use gearmesh_validation::driver::{Master, Scheme};
     use gearmesh_validation::stability::cosimulation::*;
 
     #[test]
@@ -79,7 +79,7 @@ mod cosimulation {
                     continue;
                 };
                 let o = system(zeta).unwrap();
-                let at = |h| stable(&o, Way::held(master), h).unwrap();
+                let at = |h| stable(&o, Scheme::held(master), h).unwrap();
                 assert!(at(0.97 * expected), "{master:?}, zeta = {zeta}");
                 assert!(!at(1.03 * expected), "{master:?}, zeta = {zeta}");
             }
@@ -91,9 +91,9 @@ mod cosimulation {
         for name in TABLES {
             for master in [Master::Sequential, Master::Parallel] {
                 let found =
-                    energy_brought(name, |mass| Way::predicted(master, mass), 10_000).unwrap();
+                    energy_brought(name, |mass| Scheme::predicted(master, mass), 10_000).unwrap();
                 assert!((-1.01..0.0).contains(&found), "{name}, {master:?}: {found}");
-                let held = energy_brought(name, |_| Way::held(master), 100).unwrap();
+                let held = energy_brought(name, |_| Scheme::held(master), 100).unwrap();
                 assert!(held > 1.0, "{name}, {master:?}: {held}");
             }
         }
@@ -101,6 +101,7 @@ mod cosimulation {
 }
 
 mod masters {
+    use gearmesh::element::Coupling;
     use gearmesh_validation::driver::Master;
     use gearmesh_validation::stability::cosimulation::TABLES;
     use gearmesh_validation::stability::masters::*;
@@ -115,10 +116,10 @@ mod masters {
         for bodies in bodies {
             let bar = if bodies.train { 5.0 } else { 1.0 };
             let case = Case::new(&p, bodies, 160.0).unwrap();
-            for (master, told) in MASTERS {
-                let way = Way::exact(told, master, ALIKE);
+            for (master, coupling) in MASTERS {
+                let stepping = Stepping::exact(coupling, master, ALIKE);
                 let name = format!("{}, {master:?}", case.bodies.name);
-                let found = case.errors(way).unwrap();
+                let found = case.errors(stepping).unwrap();
                 let found = found.unwrap_or_else(|| panic!("{name}: unstable"));
                 assert!(found.take_up < bar, "{name}: {found:?}");
                 // Across the backlash the swings of the first impacts outlast the run.
@@ -136,9 +137,9 @@ mod masters {
         let p = Packed::new(TABLES[2]).unwrap();
         for bodies in systems(&p).into_iter().filter(|bodies| bodies.train) {
             let name = bodies.name;
-            for (master, told, errors) in settling(&p, bodies).unwrap() {
+            for (master, coupling, errors) in settling(&p, bodies).unwrap() {
                 let [.., settled] = errors.unwrap();
-                assert!(settled < 2.0, "{name}, {master:?}, {told:?}: {settled}");
+                assert!(settled < 2.0, "{name}, {master:?}, {coupling:?}: {settled}");
             }
         }
     }
@@ -157,30 +158,31 @@ mod masters {
                 let ways = [0.0, 0.5, 1.0].map(|theta| (theta, ALIKE));
                 let by_turns = [0.5, 1.0].map(|theta| (theta, BY_TURNS));
                 for (theta, steps) in ways.into_iter().chain(by_turns) {
-                    let errors = |told: Told| {
-                        let way = Way {
-                            told,
+                    let errors = |coupling: Coupling| {
+                        let stepping = Stepping {
+                            coupling,
                             master,
                             theta,
                             steps,
                             derivatives: false,
                         };
-                        case.errors(way).unwrap()
+                        case.errors(stepping).unwrap()
                     };
                     let name = format!(
                         "{}, {cycle}, {master:?}, {theta}, {steps:?}",
                         case.bodies.name
                     );
-                    let Some(found) = errors(Told::Automatic) else {
+                    let Some(found) = errors(Coupling::Automatic) else {
                         // Explicit Euler's rule feeds the modes of bearings by itself: whatever the unit is told, they swing
                         // ten times what the mesh does, or farther than the run is followed.
-                        let others = [Told::Held, Told::Sequential, Told::Parallel];
-                        let runs_away = (others.iter())
-                            .all(|told| errors(*told).is_none_or(|errors| errors.steady > 1e3));
+                        let others = [Coupling::Held, Coupling::Sequential, Coupling::Parallel];
+                        let runs_away = (others.iter()).all(|coupling| {
+                            errors(*coupling).is_none_or(|errors| errors.steady > 1e3)
+                        });
                         assert!(runs_away && theta == 0.0, "{name}: unstable");
                         continue;
                     };
-                    if let Some(held) = errors(Told::Held) {
+                    if let Some(held) = errors(Coupling::Held) {
                         let (found, held) = (found.take_up, held.take_up);
                         assert!(found < 1.1 * held, "{name}: {found} {held}");
                     }
@@ -196,14 +198,14 @@ mod masters {
         let p = Packed::with_damping(TABLES[2], 0.0).unwrap();
         for master in [Master::Sequential, Master::Parallel] {
             for theta in [0.0, 0.5, 1.0] {
-                let way = Way {
-                    told: Told::Automatic,
+                let stepping = Stepping {
+                    coupling: Coupling::Automatic,
                     master,
                     theta,
                     steps: ALIKE,
                     derivatives: false,
                 };
-                let kept = swing_kept(&p, &Bodies::pair(&p), way, 10_000).unwrap();
+                let kept = swing_kept(&p, &Bodies::pair(&p), stepping, 10_000).unwrap();
                 let kept = kept.unwrap_or_else(|| panic!("{master:?}, {theta}: unstable"));
                 assert!(kept < 1.0, "{master:?}, {theta}: {kept}");
             }
@@ -222,8 +224,8 @@ mod masters {
             };
             let case = Case::new(&p, bodies, 160.0).unwrap();
             for master in [Master::Sequential, Master::Parallel] {
-                let way = Way::exact(Told::Automatic, master, BY_TURNS);
-                let found = case.errors(way).unwrap();
+                let stepping = Stepping::exact(Coupling::Automatic, master, BY_TURNS);
+                let found = case.errors(stepping).unwrap();
                 let found = found.unwrap_or_else(|| panic!("{}: unstable", case.bodies.name));
                 assert!(
                     found.take_up < bar,
@@ -239,24 +241,28 @@ mod masters {
         let p = Packed::new(TABLES[2]).unwrap();
         let case = Case::new(&p, Bodies::pair(&p), 160.0).unwrap();
         for master in [Master::Sequential, Master::Parallel] {
-            for told in [Told::Automatic, Told::Sequential, Told::Parallel] {
-                let fits = |told: Told| match master {
-                    Master::Sequential => told != Told::Parallel,
-                    Master::Parallel => told != Told::Sequential,
+            for coupling in [
+                Coupling::Automatic,
+                Coupling::Sequential,
+                Coupling::Parallel,
+            ] {
+                let fits = |coupling: Coupling| match master {
+                    Master::Sequential => coupling != Coupling::Parallel,
+                    Master::Parallel => coupling != Coupling::Sequential,
                 };
-                if !fits(told) {
+                if !fits(coupling) {
                     continue;
                 }
-                let way = Way {
-                    told,
+                let stepping = Stepping {
+                    coupling,
                     master,
                     theta: 0.5,
                     steps: ALIKE,
                     derivatives: true,
                 };
-                let found = case.errors(way).unwrap();
-                let found = found.unwrap_or_else(|| panic!("{master:?}, {told:?}: unstable"));
-                assert!(found.take_up < 1.0, "{master:?}, {told:?}: {found:?}");
+                let found = case.errors(stepping).unwrap();
+                let found = found.unwrap_or_else(|| panic!("{master:?}, {coupling:?}: unstable"));
+                assert!(found.take_up < 1.0, "{master:?}, {coupling:?}: {found:?}");
             }
         }
     }

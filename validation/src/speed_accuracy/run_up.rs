@@ -2,7 +2,7 @@
 
 use super::{coarse, everything};
 use crate::data::{Data, range, rms};
-use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Spin, Way};
+use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Scheme, Spin};
 use crate::setup::Setup;
 use crate::timing::timed;
 use crate::{Context, Result};
@@ -38,11 +38,11 @@ fn scene(setup: &Setup) -> Result<Scene> {
     Scene::new(element, gears)
 }
 
-/// DTE at every sample, m, of one solver over everything, or of a master with the element on the other side in its `way`.
-fn run(scene: &Scene, way: Option<Way>, step: f64) -> Result<Vec<f64>> {
+/// DTE at every sample, m, of one solver over everything, or of a master with the element on the other side in its `scheme`.
+fn run(scene: &Scene, scheme: Option<Scheme>, step: f64) -> Result<Vec<f64>> {
     let mut state = scene.rest();
-    let coupled = |way| CoSimulation::new(scene, way, state, step, 1);
-    let mut coupled = way.map(coupled).transpose()?;
+    let coupled = |scheme| CoSimulation::new(scene, scheme, state, step, 1);
+    let mut coupled = scheme.map(coupled).transpose()?;
     let per_sample = (SAMPLE / step).round() as usize;
     let mut dte = vec![];
     for i in 0..(DURATION / SAMPLE).round() as usize {
@@ -73,19 +73,19 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         "(the DTE itself swings by) | | {:.2} |",
         1e6 * swing
     )];
-    let predicted = |master| Some(Way::predicted(master, mass));
-    for (name, way) in [
+    let predicted = |master| Some(Scheme::predicted(master, mass));
+    for (name, scheme) in [
         ("monolithic, Runge-Kutta 4", None),
         (
             "sequential co-simulation, held",
-            Some(Way::held(Master::Sequential)),
+            Some(Scheme::held(Master::Sequential)),
         ),
         ("sequential co-simulation", predicted(Master::Sequential)),
         ("parallel co-simulation", predicted(Master::Parallel)),
     ] {
         let steps = [5e-7, 1e-6, 2e-6, 4e-6, 5e-6, 1e-5];
         for &step in &steps[if context.quick { 4 } else { 0 }..] {
-            let (dte, seconds) = timed(|| run(&scene, way, step));
+            let (dte, seconds) = timed(|| run(&scene, scheme, step));
             let error = |dte: Vec<f64>| rms(dte.iter().zip(&reference).map(|(a, b)| a - b));
             // Beyond the swing itself nothing of the signal is left.
             let found = match dte.map(error) {

@@ -2,7 +2,7 @@
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
 use crate::data::{Data, last_that_holds};
-use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Spin, State, Way};
+use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Scheme, Spin, State};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, in_repository};
 use gearmesh::element::{Element, Parameters};
@@ -36,9 +36,9 @@ pub fn mass() -> f64 {
 }
 
 /// Whether a small disturbance does not grow with communication step `h` omega.
-pub fn stable(o: &SingleFreedom, way: Way, h: f64) -> Result<bool> {
+pub fn stable(o: &SingleFreedom, scheme: Scheme, h: f64) -> Result<bool> {
     let start = o.start(1.0 + DISTURBANCE, 0.0, 0.0);
-    let mut coupling = CoSimulation::new(&o.scene, way, start, h / o.omega, 1)?;
+    let mut coupling = CoSimulation::new(&o.scene, scheme, start, h / o.omega, 1)?;
     let mut peaks = [0.0_f64; 2];
     // Long enough in steps and in time to tell growth from decay near the limit.
     let steps = 4000.max((60.0 / h) as usize);
@@ -56,12 +56,12 @@ pub fn stable(o: &SingleFreedom, way: Way, h: f64) -> Result<bool> {
 }
 
 /// Largest stable omega H.
-pub fn limit(o: &SingleFreedom, way: Way) -> Result<f64> {
+pub fn limit(o: &SingleFreedom, scheme: Scheme) -> Result<f64> {
     let [least, most] = [5e-3_f64, 8.0];
-    if !stable(o, way, least)? {
+    if !stable(o, scheme, least)? {
         return Ok(0.0);
     }
-    let [low, _] = last_that_holds([least.ln(), most.ln()], 14, |h| stable(o, way, h.exp()))?;
+    let [low, _] = last_that_holds([least.ln(), most.ln()], 14, |h| stable(o, scheme, h.exp()))?;
     Ok(low.exp())
 }
 
@@ -80,7 +80,7 @@ const PACKED_ANGLE: f64 = 0.4;
 
 /// Energy that the coupling brings to the undamped shipped pair `name`, over that of the swing it starts with, after `steps` steps
 /// at the packed angle: gear 1 stands, gear 2 swings about its load by a fifth of the deflection.
-pub fn energy_brought(name: &str, way: impl Fn(f64) -> Way, steps: usize) -> Result<f64> {
+pub fn energy_brought(name: &str, scheme: impl Fn(f64) -> Scheme, steps: usize) -> Result<f64> {
     let file = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
     let (geometry, torque) = (file.geometry.clone(), file.nominal_torque_nm);
     let table = Arc::new(Table::from_file(file)?);
@@ -117,7 +117,7 @@ pub fn energy_brought(name: &str, way: impl Fn(f64) -> Way, steps: usize) -> Res
     let h = PACKED_ANGLE * (mass / stiffness).sqrt();
     let (least, first) = (energy(0.0, &still)?, energy(0.0, &start)?);
     let swing = first - least;
-    let mut run = CoSimulation::new(&scene, way(mass), start, h, 4)?;
+    let mut run = CoSimulation::new(&scene, scheme(mass), start, h, 4)?;
     for _ in 0..steps {
         run.advance()?;
         if energy(run.time, &run.state)? > least + 100.0 * swing {
@@ -137,8 +137,8 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         for &zeta in zetas {
             let o = system(zeta)?;
             let expected = expected_limit(master, zeta).map(|x| format!("{x:.3}"));
-            let held = limit(&o, Way::held(master))?;
-            let predicted = limit(&o, Way::predicted(master, mass()))?;
+            let held = limit(&o, Scheme::held(master))?;
+            let predicted = limit(&o, Scheme::predicted(master, mass()))?;
             rows.push(format!(
                 "{zeta} | {} | {held:.3} | {predicted:.2}",
                 expected.unwrap_or_default()

@@ -8,12 +8,13 @@ mod bodies;
 mod packed;
 
 pub use bodies::{Bodies, systems};
-pub use packed::{Packed, Told};
+pub use packed::Packed;
 
 use super::cosimulation::TABLES;
 use crate::data::{Data, rms};
 use crate::driver::Master;
 use crate::{Context, Result};
+use gearmesh::element::Coupling;
 use nalgebra::{DMatrix, DVector};
 use packed::Mesh;
 use std::f64::consts::{PI, TAU};
@@ -24,8 +25,9 @@ const TICKS: usize = 20;
 
 /// How a master steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
-    pub told: Told,
+pub struct Stepping {
+    /// What the units are told.
+    pub coupling: Coupling,
     pub master: Master,
     /// 0, 1/2 or 1.
     pub theta: f64,
@@ -35,11 +37,11 @@ pub struct Way {
     pub derivatives: bool,
 }
 
-impl Way {
+impl Stepping {
     /// Loads act over the whole step, and the master gives no derivatives.
-    pub fn exact(told: Told, master: Master, steps: [usize; 2]) -> Way {
-        Way {
-            told,
+    pub fn exact(coupling: Coupling, master: Master, steps: [usize; 2]) -> Stepping {
+        Stepping {
+            coupling,
             master,
             theta: 0.5,
             steps,
@@ -75,18 +77,18 @@ fn turning(p: &Packed, bodies: &Bodies, cycles: f64, t: f64, duration: f64) -> [
 /// Approaches of all meshes by tick, where a step starts; `None`: the motion ran away.
 type Course = Option<Vec<(usize, Vec<f64>)>>;
 
-/// Runs `bodies` in steps of `tick` s times those of `way`, with `cycles` mesh cycles a second.
+/// Runs `bodies` in steps of `tick` s times those of `stepping`, with `cycles` mesh cycles a second.
 fn run(
     p: &Packed,
     bodies: &Bodies,
-    way: Way,
+    stepping: Stepping,
     tick: f64,
     cycles: f64,
     duration: f64,
 ) -> Result<Course> {
     let (n, count) = bodies.meshes.shape();
     let inverse = bodies.mass.map(f64::recip);
-    let flows = way.steps.map(|ticks| {
+    let flows = stepping.steps.map(|ticks| {
         let h = tick * ticks as f64;
         let mut a = DMatrix::zeros(3 * n, 3 * n);
         for i in 0..n {
@@ -100,7 +102,7 @@ fn run(
         (h, a.exp())
     });
     let mut meshes = (0..count)
-        .map(|_| Mesh::new(p, way.told))
+        .map(|_| Mesh::new(p, stepping.coupling))
         .collect::<Result<Vec<_>>>()?;
     let mut state = DVector::zeros(2 * n);
     let mut late: Option<DVector<f64>> = None;
@@ -123,12 +125,12 @@ fn run(
                 [shifted, speed],
                 [approach[j], rate[j]],
                 *h,
-                way.derivatives,
+                stepping.derivatives,
             )?;
         }
         course.push((ticks, approach.iter().copied().collect()));
         let before = late.replace(force.clone());
-        let acting = match way.master {
+        let acting = match stepping.master {
             Master::Sequential => force,
             Master::Parallel => before.unwrap_or(force),
         };
@@ -137,19 +139,19 @@ fn run(
         let mut whole = DVector::zeros(3 * n);
         let kick = load.component_mul(&inverse) * *h;
         whole.rows_mut(0, 2 * n).copy_from(&state);
-        if way.theta == 0.5 {
+        if stepping.theta == 0.5 {
             whole.rows_mut(2 * n, n).copy_from(&load);
-        } else if way.theta == 1.0 {
+        } else if stepping.theta == 1.0 {
             let mut rates = whole.rows_mut(n, n);
             rates += &kick;
         }
         let moved = flow * whole;
         state.copy_from(&moved.rows(0, 2 * n));
-        if way.theta == 0.0 {
+        if stepping.theta == 0.0 {
             let mut rates = state.rows_mut(n, n);
             rates += &kick;
         }
-        ticks += way.steps[turn % 2];
+        ticks += stepping.steps[turn % 2];
         turn += 1;
     }
     Ok(Some(course))
@@ -204,8 +206,8 @@ impl<'a> Case<'a> {
     fn lasting(packed: &'a Packed, bodies: Bodies, steps: f64, duration: f64) -> Result<Self> {
         let tick = packed.step / TICKS as f64;
         let cycles = 1.0 / (steps * packed.step);
-        let way = Way::exact(Told::Sequential, Master::Sequential, [1, 1]);
-        let exact = run(packed, &bodies, way, tick, cycles, duration)?;
+        let stepping = Stepping::exact(Coupling::Sequential, Master::Sequential, [1, 1]);
+        let exact = run(packed, &bodies, stepping, tick, cycles, duration)?;
         let exact = exact.ok_or_else(|| format!("{}: no exact course", bodies.name))?;
         Ok(Self {
             packed,
@@ -217,14 +219,21 @@ impl<'a> Case<'a> {
         })
     }
 
-    fn run(&self, way: Way) -> Result<Course> {
+    fn run(&self, stepping: Stepping) -> Result<Course> {
         let Self { packed, bodies, .. } = self;
-        run(packed, bodies, way, self.tick, self.cycles, self.duration)
+        run(
+            packed,
+            bodies,
+            stepping,
+            self.tick,
+            self.cycles,
+            self.duration,
+        )
     }
 
     /// `None`: unstable.
-    pub fn errors(&self, way: Way) -> Result<Option<Errors>> {
-        let found = self.run(way)?;
+    pub fn errors(&self, stepping: Stepping) -> Result<Option<Errors>> {
+        let found = self.run(stepping)?;
         let last = self.exact.len() - 1;
         let take_up = match self.bodies.sweep {
             Some(_) => last,
@@ -243,10 +252,15 @@ pub const BY_TURNS: [usize; 2] = [TICKS, TICKS / 10];
 
 /// rms of the approach about its mean late in a run of `steps` packed steps over that early in it, worst mesh, where gears that stand
 /// take up their load; more than 1: the coupling feeds the swing. `None`: the motion ran away.
-pub fn swing_kept(p: &Packed, bodies: &Bodies, way: Way, steps: usize) -> Result<Option<f64>> {
+pub fn swing_kept(
+    p: &Packed,
+    bodies: &Bodies,
+    stepping: Stepping,
+    steps: usize,
+) -> Result<Option<f64>> {
     let tick = p.step / TICKS as f64;
     let duration = steps as f64 * p.step;
-    let Some(course) = run(p, bodies, way, tick, 0.0, duration)? else {
+    let Some(course) = run(p, bodies, stepping, tick, 0.0, duration)? else {
         return Ok(None);
     };
     let swing = |mesh: usize, from: f64, to: f64| {
@@ -262,17 +276,17 @@ pub fn swing_kept(p: &Packed, bodies: &Bodies, way: Way, steps: usize) -> Result
 /// Cells of [`swing_kept`], %, after 10 000 steps: of the exact motion, and of coupling that is told the master and that finds it.
 fn swings(p: &Packed, bodies: &Bodies) -> Result<String> {
     const LENGTH: usize = 10_000;
-    let kept = |told: Told, master: Master, steps: [usize; 2]| -> Result<String> {
-        let way = Way::exact(told, master, steps);
-        let kept = swing_kept(p, bodies, way, LENGTH)?;
+    let kept = |coupling: Coupling, master: Master, steps: [usize; 2]| -> Result<String> {
+        let stepping = Stepping::exact(coupling, master, steps);
+        let kept = swing_kept(p, bodies, stepping, LENGTH)?;
         Ok(kept.map_or("unstable".into(), |kept| format!("{:.3}", 100.0 * kept)))
     };
     let columns = [
-        kept(Told::Sequential, Master::Sequential, [1, 1])?,
-        kept(Told::Sequential, Master::Sequential, ALIKE)?,
-        kept(Told::Automatic, Master::Sequential, ALIKE)?,
-        kept(Told::Parallel, Master::Parallel, ALIKE)?,
-        kept(Told::Automatic, Master::Parallel, ALIKE)?,
+        kept(Coupling::Sequential, Master::Sequential, [1, 1])?,
+        kept(Coupling::Sequential, Master::Sequential, ALIKE)?,
+        kept(Coupling::Automatic, Master::Sequential, ALIKE)?,
+        kept(Coupling::Parallel, Master::Parallel, ALIKE)?,
+        kept(Coupling::Automatic, Master::Parallel, ALIKE)?,
     ];
     Ok(columns.join(" | "))
 }
@@ -281,7 +295,7 @@ fn swings(p: &Packed, bodies: &Bodies) -> Result<String> {
 const SETTLING: [[f64; 2]; 3] = [[14e-3, 24e-3], [54e-3, 64e-3], [134e-3, 144e-3]];
 
 /// What a master is, what the units are told, and the errors, %, in later and later parts of a long run. `None`: unstable.
-pub type Settling = (Master, Told, Option<[f64; 3]>);
+pub type Settling = (Master, Coupling, Option<[f64; 3]>);
 
 /// Of `bodies` that move exactly between the loads, at 160 packed steps a mesh cycle.
 pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
@@ -290,16 +304,16 @@ pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
     let last = case.exact.len() - 1;
     let mut found = vec![];
     for (master, known) in MASTERS {
-        for told in [known, Told::Automatic] {
-            let way = Way::exact(told, master, ALIKE);
-            let course = case.run(way)?;
+        for coupling in [known, Coupling::Automatic] {
+            let stepping = Stepping::exact(coupling, master, ALIKE);
+            let course = case.run(stepping)?;
             let errors = course.map(|course| {
                 SETTLING.map(|part| {
                     let [from, to] = part.map(|t| (t / case.tick) as usize);
                     error(&course, &case.exact, from..=to.min(last))
                 })
             });
-            found.push((master, told, errors));
+            found.push((master, coupling, errors));
         }
     }
     Ok(found)
@@ -310,8 +324,8 @@ pub fn given(p: &Packed, steps: f64, lengths: [usize; 2]) -> Result<f64> {
     let tick = p.step / TICKS as f64;
     let omega = TAU / (steps * p.step);
     let deflection = p.load / p.stiffness;
-    let course = |told: Told| -> Result<Vec<f64>> {
-        let mut mesh = Mesh::new(p, told)?;
+    let course = |coupling: Coupling| -> Result<Vec<f64>> {
+        let mut mesh = Mesh::new(p, coupling)?;
         let (mut ticks, mut turn, mut forces) = (0, 0, vec![]);
         while (ticks as f64) * tick < DURATION {
             let t = ticks as f64 * tick;
@@ -336,15 +350,15 @@ pub fn given(p: &Packed, steps: f64, lengths: [usize; 2]) -> Result<f64> {
         }
         Ok(forces)
     };
-    let (held, found) = (course(Told::Held)?, course(Told::Automatic)?);
+    let (held, found) = (course(Coupling::Held)?, course(Coupling::Automatic)?);
     let off = held.iter().zip(&found).map(|(a, b)| (a - b).abs());
     Ok(100.0 * off.fold(0.0, f64::max) / p.load)
 }
 
 /// Masters, and the coupling that says so.
-pub const MASTERS: [(Master, Told); 2] = [
-    (Master::Sequential, Told::Sequential),
-    (Master::Parallel, Told::Parallel),
+pub const MASTERS: [(Master, Coupling); 2] = [
+    (Master::Sequential, Coupling::Sequential),
+    (Master::Parallel, Coupling::Parallel),
 ];
 
 /// Packed steps in a mesh cycle.
@@ -352,48 +366,51 @@ pub const STEPS: [f64; 5] = [10.0, 20.0, 40.0, 80.0, 160.0];
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     let p = Packed::new(TABLES[2])?;
-    let mut rows = vec![];
     let steps = if context.quick { &STEPS[4..] } else { &STEPS };
-    for bodies in systems(&p) {
+    all_masters(&p, steps, data)?;
+    with_derivatives(&p, data)?;
+    free_swings(data)?;
+    late_errors(&p, data)?;
+    given_motion(&p, steps, data)
+}
+
+/// Errors of the approach with held loads, with the coupling of the master and with automatic coupling.
+fn all_masters(p: &Packed, steps: &[f64], data: &Data) -> Result<()> {
+    let mut rows = vec![];
+    for bodies in systems(p) {
         let swept = bodies.sweep.is_some();
         for &count in if swept { &STEPS[4..] } else { steps } {
-            let case = Case::new(&p, bodies.clone(), count)?;
-            for (kind, lengths) in [("alike", ALIKE), ("h, h/10", BY_TURNS)] {
-                if lengths == BY_TURNS && count < 160.0 {
+            let case = Case::new(p, bodies.clone(), count)?;
+            let cycle = if swept {
+                "sweep".into()
+            } else {
+                format!("{count}")
+            };
+            for (kind, steps) in [("alike", ALIKE), ("h, h/10", BY_TURNS)] {
+                if steps == BY_TURNS && count < 160.0 {
                     continue;
                 }
                 for (master, known) in MASTERS {
                     for theta in [0.0, 0.5, 1.0] {
-                        let find = |told: Told| {
-                            case.errors(Way {
-                                told,
-                                master,
+                        let find = |coupling| {
+                            case.errors(Stepping {
                                 theta,
-                                steps: lengths,
-                                derivatives: false,
+                                ..Stepping::exact(coupling, master, steps)
                             })
                         };
-                        let [held, known, found] =
-                            [find(Told::Held)?, find(known)?, find(Told::Automatic)?];
-                        let cell = |e: Option<Errors>, part: fn(Errors) -> f64| {
-                            e.map_or("unstable".into(), |e| format!("{:.3}", part(e)))
-                        };
-                        let take_up: fn(Errors) -> f64 = |e| e.take_up;
-                        let steady: fn(Errors) -> f64 = |e| e.steady;
-                        let cycle = if swept {
-                            "sweep".into()
-                        } else {
-                            format!("{count}")
+                        let found = [
+                            find(Coupling::Held)?,
+                            find(known)?,
+                            find(Coupling::Automatic)?,
+                        ];
+                        let cells = |part: fn(Errors) -> f64| {
+                            found.map(|errors| cell(errors.map(part))).join(" | ")
                         };
                         rows.push(format!(
-                            "{} | {cycle} | {kind} | {master:?} | {theta} | {} | {} | {} | {} | {} | {}",
+                            "{} | {cycle} | {kind} | {master:?} | {theta} | {} | {}",
                             case.bodies.name,
-                            cell(held, take_up),
-                            cell(known, take_up),
-                            cell(found, take_up),
-                            cell(held, steady),
-                            cell(known, steady),
-                            cell(found, steady),
+                            cells(|e| e.take_up),
+                            cells(|e| e.steady),
                         ));
                     }
                 }
@@ -402,30 +419,33 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     }
     let head = "system | steps a mesh cycle | steps | master | theta | held, % | known, % | automatic, % | held, steady, % \
         | known, steady, % | automatic, steady, %";
-    data.table("masters", head, &rows)?;
+    data.table("masters", head, &rows)
+}
+
+/// Errors of the approach in the pair, without and with derivatives of the angles.
+fn with_derivatives(p: &Packed, data: &Data) -> Result<()> {
     let mut rows = vec![];
-    let case = Case::new(&p, Bodies::pair(&p), 160.0)?;
+    let case = Case::new(p, Bodies::pair(p), 160.0)?;
     for master in [Master::Sequential, Master::Parallel] {
         for theta in [0.0, 0.5, 1.0] {
             let find = |derivatives: bool| -> Result<String> {
-                let found = case.errors(Way {
-                    told: Told::Automatic,
-                    master,
+                let found = case.errors(Stepping {
                     theta,
-                    steps: ALIKE,
                     derivatives,
+                    ..Stepping::exact(Coupling::Automatic, master, ALIKE)
                 })?;
-                Ok(found.map_or("unstable".into(), |e| format!("{:.3}", e.take_up)))
+                Ok(cell(found.map(|e| e.take_up)))
             };
             let [without, with] = [find(false)?, find(true)?];
             rows.push(format!("{master:?} | {theta} | {without} | {with}"));
         }
     }
-    data.table(
-        "input-derivatives",
-        "master | theta | automatic, % | with input derivatives, %",
-        &rows,
-    )?;
+    let head = "master | theta | automatic, % | with input derivatives, %";
+    data.table("input-derivatives", head, &rows)
+}
+
+/// What is left of a free swing of a train, with the packed damping and with a tenth of it.
+fn free_swings(data: &Data) -> Result<()> {
     let mut rows = vec![];
     for share in [1.0, 0.1] {
         let swinging = Packed::with_damping(TABLES[2], share)?;
@@ -436,16 +456,20 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     }
     let head = "system | damping of the mesh over the packed one | exact, % | known, sequential, % | automatic, sequential, % \
         | known, parallel, % | automatic, parallel, %";
-    data.table("swings", head, &rows)?;
+    data.table("swings", head, &rows)
+}
+
+/// Errors of the approach in later and later parts of a run.
+fn late_errors(p: &Packed, data: &Data) -> Result<()> {
     let mut rows = vec![];
-    for bodies in systems(&p).into_iter().filter(|b| b.train) {
+    for bodies in systems(p).into_iter().filter(|b| b.train) {
         let name = bodies.name;
-        for (master, told, errors) in settling(&p, bodies)? {
+        for (master, coupling, errors) in settling(p, bodies)? {
             let cells = errors.map_or(["unstable".into(), "".into(), "".into()], |errors| {
                 errors.map(|e| format!("{e:.3}"))
             });
             rows.push(format!(
-                "{name} | {master:?} | {told:?} | {}",
+                "{name} | {master:?} | {coupling:?} | {}",
                 cells.join(" | ")
             ));
         }
@@ -455,15 +479,20 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         format!("{from:.0} to {to:.0} ms, %")
     });
     let head = format!("system | master | coupling | {}", parts.join(" | "));
-    data.table("settling", &head, &rows)?;
+    data.table("settling", &head, &rows)
+}
+
+/// Departure of automatic coupling from held loads along a given motion.
+fn given_motion(p: &Packed, steps: &[f64], data: &Data) -> Result<()> {
     let mut rows = vec![];
     for &count in steps {
-        let [alike, turns] = [given(&p, count, ALIKE)?, given(&p, count, BY_TURNS)?];
+        let [alike, turns] = [given(p, count, ALIKE)?, given(p, count, BY_TURNS)?];
         rows.push(format!("{count} | {alike:.2e} | {turns:.2e}"));
     }
-    data.table(
-        "given-motion",
-        "steps a mesh cycle | alike, % | h and h/10, %",
-        &rows,
-    )
+    let head = "steps a mesh cycle | alike, % | h and h/10, %";
+    data.table("given-motion", head, &rows)
+}
+
+fn cell(error: Option<f64>) -> String {
+    error.map_or("unstable".into(), |error| format!("{error:.3}"))
 }

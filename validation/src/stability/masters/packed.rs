@@ -1,6 +1,7 @@
-//! The packed pair that all meshes have, its unit by what it is told, and that unit as it meshes.
+//! The packed pair that all meshes have, its unit by its coupling, and that unit as it meshes.
 
 use crate::{Result, in_repository};
+use gearmesh::element::Coupling;
 use gearmesh::fmi::instance::Instance;
 use gearmesh::fmi::lifecycle::Interface;
 use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
@@ -10,17 +11,9 @@ use gearmesh_preprocessor::package::Starts;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a unit is told, as the numbers of `coupling` in modelDescription.xml.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Told {
-    Held = 1,
-    Sequential = 2,
-    Parallel = 3,
-    Automatic = 4,
-}
-
-/// The packed pair that all meshes have, and its unit by what it is told.
+/// The packed pair that all meshes have, and its unit by its coupling.
 pub struct Packed {
+    /// In the order of `Coupling` and of its numbers in modelDescription.xml.
     pub(super) units: Vec<Arc<Resources>>,
     /// Of gear 1, m.
     pub(super) base_radius: f64,
@@ -59,16 +52,8 @@ impl Packed {
             (index::LOADED_FLANK, 3.0),
             (index::BACKLASH, 100e-6),
         ];
-        let units = [
-            Told::Held,
-            Told::Sequential,
-            Told::Parallel,
-            Told::Automatic,
-        ]
-        .map(|told| {
-            let starts = starts
-                .into_iter()
-                .chain([(index::COUPLING, f64::from(told as u8))]);
+        let units = [1.0, 2.0, 3.0, 4.0].map(|coupling| {
+            let starts = starts.into_iter().chain([(index::COUPLING, coupling)]);
             let starts: BTreeMap<_, _> = starts
                 .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
                 .collect();
@@ -109,8 +94,8 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    pub(super) fn new(p: &Packed, told: Told) -> Result<Self> {
-        let resources = p.units[told as usize - 1].clone();
+    pub(super) fn new(p: &Packed, coupling: Coupling) -> Result<Self> {
+        let resources = p.units[coupling as usize].clone();
         let mut unit = Instance::new(resources, Interface::CoSimulation);
         unit.setup(0.0, None)?;
         unit.exit_initialization()?;

@@ -191,9 +191,7 @@ impl Setup {
 
     /// The nominal torque at the mesh position `tau`, parallel axes.
     pub fn nominal(&self, tau: f64) -> Result<ContactResult> {
-        let torque = self.pair.operating.nominal_torque;
-        let position = self.solver.position(Flank::Drive, tau, 0.0)?;
-        Ok(position.solve_torque(torque, 0.0, None)?)
+        self.solve(self.pair.operating.nominal_torque, &query(0.0, tau))
     }
 
     /// Approach under the nominal torque at the mesh position 0, m.
@@ -219,6 +217,23 @@ impl Setup {
         Coverage::new(&self.pair, true, true)
     }
 
+    /// A random operating point of the drive flank: the torque, N m, from a tenth of the largest one on, and the pose.
+    pub fn draw(&self, random: &mut Random) -> (f64, Query) {
+        let operating = &self.pair.operating;
+        let offset = random.within(operating.center_distance_offset);
+        let misalignment = random.within(operating.misalignment);
+        let torque = random.within([0.1, 1.0]) * operating.maximum_torque;
+        let tau = random.within([0.0, 1.0]);
+        (torque, Query::from([0.0, offset, misalignment, tau]))
+    }
+
+    /// Contact under `torque` at `query`, of which the approach follows.
+    pub fn solve(&self, torque: f64, query: &Query) -> Result<ContactResult> {
+        let [_, offset, misalignment, tau] = query.coordinates();
+        let position = self.solver.position(Flank::Drive, tau, offset)?;
+        Ok(position.solve_torque(torque, misalignment, None)?)
+    }
+
     /// Direct solutions at `n` random points of `ranges`.
     pub fn exact(&self, ranges: &Ranges, n: usize) -> Result<Vec<Exact>> {
         let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
@@ -234,9 +249,7 @@ impl Setup {
         };
         let drawn: Vec<_> = (0..n).map(&mut draw).collect();
         let solve = |(torque, query): (f64, Query)| {
-            let (tau, offset) = (query.mesh_position, query.center_distance_offset);
-            let position = self.solver.position(Flank::Drive, tau, offset)?;
-            let solved = position.solve_torque(torque, query.misalignment, None)?;
+            let solved = self.solve(torque, &query)?;
             let (delta, force, moment) = (solved.approach, solved.loa_force, solved.moment);
             let query = Query { delta, ..query };
             Ok(Exact {

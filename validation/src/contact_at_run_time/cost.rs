@@ -20,16 +20,12 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         let setup = Setup::from_pair(shipped(name)?)?;
         let file = Arc::new(setup.contact_file()?);
         let contact = file.flank(Flank::Drive).ok_or("no drive flank")?;
-        let operating = &setup.pair.operating;
         let mut random = Random::new(1);
         let (mut errors, mut cold) = (vec![], 0.0);
         for _ in 0..points {
-            let offset = random.within(operating.center_distance_offset);
-            let misalignment = random.within(operating.misalignment);
-            let torque = random.within([0.1, 1.0]) * operating.maximum_torque;
-            let tau = random.within([0.0, 1.0]);
-            let position = setup.solver.position(Flank::Drive, tau, offset)?;
-            let full = position.solve_torque(torque, misalignment, None)?;
+            let (torque, query) = setup.draw(&mut random);
+            let full = setup.solve(torque, &query)?;
+            let [_, offset, misalignment, tau] = query.coordinates();
             let pose = [full.approach, offset, misalignment, tau];
             let (found, seconds) = timed(|| contact.potential(pose, [0; 2], &mut Warm::default()));
             cold += seconds / points as f64;

@@ -39,16 +39,12 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             solver: solvers.remove(0),
         };
         let (nominal, half_face) = (setup.nominal_force(), setup.half_face());
-        let operating = &setup.pair.operating;
         let mut errors = vec![Errors::default(); solvers.len()];
         let mut random = Random::new(1);
         for _ in 0..poses {
-            let offset = random.within(operating.center_distance_offset);
-            let misalignment = random.within(operating.misalignment);
-            let torque = random.within([0.1, 1.0]) * operating.maximum_torque;
-            let tau = random.within([0.0, 1.0]);
-            let position = setup.solver.position(Flank::Drive, tau, offset)?;
-            let exact = position.solve_torque(torque, misalignment, None)?;
+            let (torque, query) = setup.draw(&mut random);
+            let exact = setup.solve(torque, &query)?;
+            let [_, offset, misalignment, tau] = query.coordinates();
             let stiffness = exact.tangent.force_by_approach;
             for (solver, errors) in solvers.iter().zip(&mut errors) {
                 let position = solver.position(Flank::Drive, tau, offset)?;

@@ -72,8 +72,8 @@ impl Subject {
         Ok(Subject { setup, table })
     }
 
-    /// Errors at `count` random points with `limit` exceeded `part` times; points that the contact solver refuses are left out.
-    fn beyond(&self, limit: Limit, part: f64, count: usize) -> Vec<Errors> {
+    /// Errors at `count` random points with `limit` exceeded `part` times.
+    fn beyond(&self, limit: Limit, part: f64, count: usize) -> Result<Vec<Errors>> {
         let operating = &self.setup.pair.operating;
         let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
         let mut draw = |_| {
@@ -91,7 +91,7 @@ impl Subject {
     }
 
     /// Errors at `count` random points of the ranges under [`LOW`] of the nominal torque.
-    fn low(&self, count: usize) -> Vec<Errors> {
+    fn low(&self, count: usize) -> Result<Vec<Errors>> {
         let operating = &self.setup.pair.operating;
         let mut random = Random::new(0xD1B5_4A32_D192_ED03);
         let mut draw = |_| {
@@ -104,12 +104,12 @@ impl Subject {
     }
 
     /// Errors at points given by torque and pose.
-    fn errors(&self, drawn: Vec<(f64, Query)>) -> Vec<Errors> {
+    fn errors(&self, drawn: Vec<(f64, Query)>) -> Result<Vec<Errors>> {
         let solved = |(torque, query): (f64, Query)| {
             let [_, c, m, p] = query.coordinates();
-            let position = self.setup.solver.position(Flank::Drive, p, c).ok()?;
+            let position = self.setup.solver.position(Flank::Drive, p, c)?;
             let torque = Prescribed::Torque(torque);
-            let found = position.solve_beyond(torque, m, None).ok()?;
+            let found = position.solve_beyond(torque, m, None)?;
             let point = Point {
                 query: Query {
                     delta: found.approach,
@@ -118,9 +118,9 @@ impl Subject {
                 force: found.loa_force,
                 moment: found.moment,
             };
-            Some(self.error(&point))
+            Ok(self.error(&point))
         };
-        drawn.into_par_iter().filter_map(solved).collect()
+        drawn.into_par_iter().map(solved).collect()
     }
 
     fn error(&self, point: &Point) -> Errors {
@@ -154,7 +154,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             ..pair?
         };
         let name = pair.name.clone();
-        let row = measured(&Subject::new(pair)?, count, low);
+        let row = measured(&Subject::new(pair)?, count, low)?;
         rows.push(in_cells(&name, &row));
         cells.push(row);
     }
@@ -171,20 +171,22 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
 }
 
 /// Cells of a row: errors of the moment (%), of the approach (% of the root of its mean square), of the place (% of half the face, mm).
-fn measured(subject: &Subject, count: usize, low: usize) -> [f64; 11] {
-    let moment = |limit, part| {
-        let errors = subject.beyond(limit, part, count);
-        100.0 * largest(errors.iter().map(|e| e.moment)).abs()
-    };
-    let either = |limits: [Limit; 2], part| {
-        let errors = limits.map(|limit| moment(limit, part));
-        errors[0].max(errors[1])
+fn measured(subject: &Subject, count: usize, low: usize) -> Result<[f64; 11]> {
+    // Largest of the moment beyond any of the `limits`, by part.
+    let moment = |limits: &[Limit]| -> Result<[f64; 4]> {
+        let mut most = [0.0_f64; 4];
+        for limit in limits {
+            for (most, part) in most.iter_mut().zip(PARTS) {
+                let errors = subject.beyond(*limit, part, count)?;
+                *most = most.max(100.0 * largest(errors.iter().map(|e| e.moment)).abs());
+            }
+        }
+        Ok(most)
     };
     let [tilts, distances] = LIMITS;
-    let [a, b, c, d] = PARTS.map(|part| either(tilts, part));
-    let distance = PARTS.map(|part| either(distances, part));
-    let load = PARTS.map(|part| moment(Limit::Load, part));
-    let errors = subject.low(low);
+    let [a, b, c, d] = moment(&tilts)?;
+    let (distance, load) = (moment(&distances)?, moment(&[Limit::Load])?);
+    let errors = subject.low(low)?;
     // At some misalignments the approach is next to nothing: errors are over the root of its mean square.
     let ste = rms(errors.iter().map(|e| e.approach[1]));
     let approach = errors.iter().map(|e| 100.0 * e.approach[0] / ste);
@@ -199,19 +201,8 @@ fn measured(subject: &Subject, count: usize, low: usize) -> [f64; 11] {
     };
     let ([ste, ste_most], [at, at_most]) = (both(&approach), both(&place));
     let [distance, load] = [distance, load].map(largest);
-    [
-        a,
-        b,
-        c,
-        d,
-        distance,
-        load,
-        ste,
-        ste_most,
-        at,
-        at_most,
-        rms(z),
-    ]
+    let z = rms(z);
+    Ok([a, b, c, d, distance, load, ste, ste_most, at, at_most, z])
 }
 
 fn in_cells(name: &str, cells: &[f64; 11]) -> String {
@@ -235,7 +226,7 @@ mod tests {
         for pair in [shipped, random] {
             let name = pair.name.clone();
             let [tilt @ .., _, _, ste, _, at, _, _] =
-                measured(&Subject::new(pair).unwrap(), 24, 100);
+                measured(&Subject::new(pair).unwrap(), 24, 100).unwrap();
             for (part, error) in PARTS.iter().zip(tilt) {
                 assert!(error < 5.0, "{name} at {part} of a limit: {error} %");
             }

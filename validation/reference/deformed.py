@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse import coo_matrix, csr_matrix
 
 from flank_mesh import FlankMesh
-from hexahedra import LOCAL
+from hexahedra import LOCAL, shape
 from pair import Pair
 
 GAUSS = 4  # points along a face
@@ -27,15 +27,6 @@ TOLERANCE = 2e-5  # change of the approach in the last step, mm; what it leaves 
 FLAT = np.flatnonzero(LOCAL[:, 2] == -1)
 CORNERS = LOCAL[FLAT, :2].astype(float)
 AXES = np.array([1.0, 1j])
-
-
-def slopes(point):
-    """Gradients (8, 2) of the shape functions of the quadrilateral at a point."""
-    (x, y), (a, b) = point, CORNERS.T
-    corner = a * b != 0
-    by_x = np.where(corner, 0.25 * a * (1 + y * b) * (2 * x * a + y * b), np.where(a == 0, -x * (1 + y * b), 0.5 * a * (1 - y**2)))
-    by_y = np.where(corner, 0.25 * b * (1 + x * a) * (2 * y * b + x * a), np.where(a == 0, 0.5 * b * (1 - x**2), -y * (1 + x * a)))
-    return np.stack([by_x, by_y], 1)
 
 
 class Body:
@@ -56,7 +47,7 @@ class Body:
         twice = np.einsum("ik,jl->ijkl", unit, unit) + np.einsum("il,jk->ijkl", unit, unit)
         self.elastic = lam * np.einsum("ij,kl->ijkl", unit, unit) + mu * twice
         a, w = np.polynomial.legendre.leggauss(3)
-        grad = np.array([slopes((p, q)) for p in a for q in a])
+        grad = shape([(p, q, -1) for p in a for q in a])[1][:, FLAT, :2]
         jac = np.einsum("gad,eai->egdi", grad, x)
         self.grad = np.einsum("egid,gad->egai", np.linalg.inv(jac), grad)
         self.weight = np.abs(np.linalg.det(jac)) * np.array([p * q for p in w for q in w]) * gear.b

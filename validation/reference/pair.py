@@ -46,7 +46,7 @@ class Pair:
         self.middle = []
         for e in (0, 1):
             q = complex(self.local(e, complex(rw, 0.0)))
-            self.middle.append(np.angle(q) - float(self.gears[e].flank(abs(q))))
+            self.middle.append(np.angle(q) - self.gears[e].flank(abs(q)))
 
     def local(self, gear, point):
         """A point (complex) of the world in the frame of a gear, where loaded flanks face +theta."""
@@ -86,13 +86,13 @@ class Pair:
     def foot(self, gear, position, k, r, z):
         """From points of gear's flank to the mate's: gap (transverse), roll there, its normal in the world, and the arm about gear 1."""
         mate, g, m = 1 - gear, self.gears[gear], self.gears[1 - gear]
-        angle = self.tooth_angle(gear, position, k, z) + flank(g, r)
+        angle = self.tooth_angle(gear, position, k, z) + g.flank(r)
         point = self.world(gear, r * np.exp(1j * angle))
         q = self.local(mate, point)
         radius = np.maximum(np.abs(q), m.rb)
         alpha = np.arccos(m.rb / radius)
         middle = self.tooth_angle(mate, position, k, z)
-        apart = np.angle(q * np.exp(-1j * middle)) - flank(m, radius)
+        apart = np.angle(q * np.exp(-1j * middle)) - m.flank(radius)
         gap = m.rb * apart
         normal = self.turned(mate, q / np.abs(q) * (m.kappa * np.sin(alpha) + 1j * np.cos(alpha)))
         roll = np.sqrt(radius**2 - m.rb**2) - m.kappa * gap
@@ -102,7 +102,7 @@ class Pair:
     def lever(self, gear, position, k, r, z, normal, axial):
         """By how much points of gear's flank close along the normal (`normal` in the transverse plane of the world, `axial` along z; out
         of the mate), where gear 2 turns about the normal of the plane of action through the pitch point at mid-face, over the angle, mm."""
-        point = self.world(gear, r * np.exp(1j * (self.tooth_angle(gear, position, k, z) + flank(self.gears[gear], r))))
+        point = self.world(gear, r * np.exp(1j * (self.tooth_angle(gear, position, k, z) + self.gears[gear].flank(r))))
         along = 1j * np.exp(-1j * self.alpha)  # the line of action, as the force on gear 2 points
         y = ((point - self.base[0] / cos(self.alpha)) * np.conj(along)).real
         sign = -1.0 if gear == 0 else 1.0  # the force on gear 2
@@ -130,10 +130,3 @@ class Pair:
             out = out + 1e-3 * relief["amount_um"] * np.maximum((roll - begin) / (end - begin), 0.0) ** power
         share = 2 * z / self.b - 1
         return out + 1e-3 * (of.get("lead_crowning_um", 0.0) * share**2 + 0.5 * of.get("lead_slope_um", 0.0) * share)
-
-
-def flank(gear, r):
-    """Gear.flank for arrays."""
-    alpha = np.arccos(np.minimum(1.0, gear.rb / r))
-    angle = gear.psi - (np.tan(alpha) - alpha)
-    return pi / gear.z - angle if gear.ring else angle

@@ -272,7 +272,7 @@ class Model:
         return json.loads(json.dumps(out), parse_float=lambda v: round(float(v), 3))
 
 
-def graded(b, count):
+def thinner_at_ends(b, count):
     """Ends of `count` layers, the outermost a third as thick."""
     w = np.ones(count)
     w[[0, -1]], w[[1, -2]] = 0.35, 0.65
@@ -310,8 +310,8 @@ CASES = {
     "spur20": lambda: case("spur 20, plane strain", SPUR, None, flat(38.5, 40.0, 42.0, 43.6), fine=0.1, coarse=0.6, teeth=5),
     "spur16": lambda: case("spur 16 with profile shift, plane strain", SHIFTED, None, flat(36.5, 38.0, 40.0), fine=0.1, coarse=0.6, teeth=5),
     "ring60": lambda: case("ring 60, plane strain", RING, None, flat(88.5, 90.0, 91.5), fine=0.08, coarse=0.6, teeth=7),
-    "solid20": lambda: case("spur 20, face 25 mm", SPUR, graded(25.0, 10), [((42.0, 42.0), (100.0, 100.0)), ((42.0, 42.0), (200.0, 0.0)), ((40.0, 40.0), (0.0, 200.0))]),
-    "helical20": lambda: case("helical 20, beta 25 degrees, face 24 mm", dict(z=20, m=3.0, alpha=20.0, beta=25.0, tip=36.104, held=14.0, b=24.0), graded(24.0, 10), [((34.0, 34.0), (100.0, 100.0)), ((32.6, 35.6), (100.0, 100.0)), ((35.6, 32.6), (0.0, 200.0))], fine=0.2, coarse=1.3),
+    "solid20": lambda: case("spur 20, face 25 mm", SPUR, thinner_at_ends(25.0, 10), [((42.0, 42.0), (100.0, 100.0)), ((42.0, 42.0), (200.0, 0.0)), ((40.0, 40.0), (0.0, 200.0))]),
+    "helical20": lambda: case("helical 20, beta 25 degrees, face 24 mm", dict(z=20, m=3.0, alpha=20.0, beta=25.0, tip=36.104, held=14.0, b=24.0), thinner_at_ends(24.0, 10), [((34.0, 34.0), (100.0, 100.0)), ((32.6, 35.6), (100.0, 100.0)), ((35.6, 32.6), (0.0, 200.0))], fine=0.2, coarse=1.3),
 }
 
 if __name__ == "__main__":

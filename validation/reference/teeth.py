@@ -9,7 +9,7 @@ E, NU = 206e3, 0.3  # MPa; lengths in mm
 
 
 def inv(alpha):
-    return tan(alpha) - alpha
+    return np.tan(alpha) - alpha
 
 
 class Gear:
@@ -29,8 +29,8 @@ class Gear:
         self.psi = pi / (2 * z) + 2 * x * tan(self.alpha) / z + inv(self.alpha_t)
 
     def flank(self, r):
-        """Angle of the flank from the centre line of the tooth."""
-        angle = self.psi - inv(acos(min(1.0, self.rb / r)))
+        """Angle of the flank from the centre line of the tooth at a radius or at an array of them."""
+        angle = self.psi - inv(np.arccos(np.minimum(1.0, self.rb / r)))
         return pi / self.z - angle if self.ring else angle
 
     def fillet(self, n=160):

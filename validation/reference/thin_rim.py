@@ -24,7 +24,8 @@ from teeth import NU, Gear
 E = 206e9
 
 
-def graded(a, b, first, growth):
+def growing_by(growth, a, b, first):
+    """Ends from `a` to `b` of cells that grow geometrically from about `first`."""
     steps = [first]
     while sum(steps) < abs(b - a):
         steps.append(steps[-1] * growth)
@@ -60,7 +61,7 @@ class Model:
         blocks = [(np.outer(np.ones(u.size), r_row), np.outer(u, t_row), "rim")]
         self.rim_in = 1e-3 * self.teeth.root - kappa * gear["rim"]
         r_s, t_s = at(split)
-        below = halves(graded(0.0, 1.0, 0.3 * m / abs(r_s - self.rim_in), 1.35))
+        below = halves(growing_by(1.35, 0.0, 1.0, 0.3 * m / abs(r_s - self.rim_in)))
         land = halves(np.linspace(split, 0.0, gear["land"] + 1))
         r_land, t_land = at(land)
         columns = []  # (surface radius, surface angle, angle inside)
@@ -69,10 +70,10 @@ class Model:
         inside = t_s + w * (0.5 * pitch - t_s)
         columns.append((r_land, t_land, inside))
         columns.append((r_land[::-1], -t_land[::-1], -inside[::-1]))
-        web = graded(self.rim_in, gear["hub"], 0.3 * m, 1.6) if self.hole is None else np.linspace(self.rim_in, gear["hub"], 9)
+        web = growing_by(1.6, self.rim_in, gear["hub"], 0.3 * m) if self.hole is None else np.linspace(self.rim_in, gear["hub"], 9)
         # Where the two columns of the tooth next to its middle end: a hole takes the place of these.
         self.inner = t_s * u[2 * (gear["across"] // 2 + 2)]
-        radii = {"web": web, "hub": graded(gear["hub"], gear["bore"], 0.5 * m, gear["growth"])}
+        radii = {"web": web, "hub": growing_by(gear["growth"], gear["hub"], gear["bore"], 0.5 * m)}
         for surface, theta, deep in columns:
             blocks.append((
                 surface[:, None] + below * (self.rim_in - surface[:, None]),
@@ -250,7 +251,8 @@ def planet():
     for depth in (1.5, 2.5, 4.0, 8.0):
         for held in (360, 180, 120):
             bore = 2 * (21.5 - 2 * depth)
-            gear = gear_of(24, 2.0, 0.0, 12.0, 2 * depth, [0, 0], bore, [0, 0], bore, [0, 0.8, 2.4, 6, 9.6, 11.2, 12], held_deg=held)
+            gear = gear_of(teeth=24, module=2.0, helix=0.0, face=12.0, rim=2 * depth, web=[0, 0], hub=bore, hub_z=[0, 0], bore=bore,
+                           stations=[0, 0.8, 2.4, 6, 9.6, 11.2, 12], held_deg=held)
             _, influence = influences(f"{depth} {held}", gear, strips, 0.6e-3)
             print(f"{depth},{held},{1e9 * influence[0, 0]:.4f},{round(100 * influence[0, 1] / influence[0, 0], 2) + 0.0:.2f}", flush=True)
 

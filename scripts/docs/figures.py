@@ -56,7 +56,7 @@ def levels() -> None:
         axis.loglog(x, y, "o", ms=8, color=colour)
         axis.annotate(label, (x, y), xytext=offset, textcoords="offset points", va="center")
     axis.set(xlabel="processor time of a Runge-Kutta step, µs", ylabel="rms error of the transmission error, µm")
-    axis.set(xlim=(1.5, 400), ylim=(2e-3, 6))
+    axis.set(ylim=(2e-3, 6))
     axis.grid(alpha=0.3)
     save(figure, "levels")
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import AbstractContextManager
 
 import gearmesh
 import numpy as np
@@ -15,7 +16,7 @@ from gearmesh.energy import in_words
 from gearmesh.plots import BLUE, GREEN, RED, figure as new_figure
 
 from examples.shared import driven
-from examples.shared.files import OUT, PAIRS, save
+from examples.shared.files import OUT, PAIRS, opened, save
 from examples.shared.tables import show
 
 TORQUE = 200.0  # N m on the pinion
@@ -41,13 +42,11 @@ def solved(name: str, law: str, relief: bool) -> gearmesh.MeshCycle:
     return gearmesh.solve(pair(name, law, relief), TORQUE, speed_rpm=SPEEDS, refinement="coarse")
 
 
-def unit(name: str, law: str, **start: float) -> GearPair:
+def unit(name: str, law: str, **start: float) -> AbstractContextManager[GearPair]:
     """The FMU with friction, without relief, and the start values."""
     coarse = {"refinement": "coarse", "no_center_distance": True, "no_misalignment": True, "friction": True}
     fmu = gearmesh.build(pair(name, law, False), OUT / f"{name}-{law}.fmu", set={"friction": True}, **coarse)
-    made = GearPair(fmu, start, interface="model-exchange")
-    made.initialize()
-    return made
+    return opened(fmu, start)
 
 
 def balance(damped: bool, duration: float = 0.02, step: float = 2.5e-6) -> dict[str, float]:

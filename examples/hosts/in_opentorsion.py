@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import gearmesh
 import numpy as np
 from opentorsion import Assembly, Disk, Shaft
 from opentorsion.elements.elastic_gear_element import ElasticGear
 
-PAIR = Path(__file__).parents[1] / "drivelines" / "pairs" / "spur-50-50.json"
+from examples.shared.files import PAIRS
+
 BASE_RADIUS = 75e-3 * np.cos(np.radians(20.0))  # m
 INERTIAS, RATIO = (7.6e-3, 7.6e-3), 1.0  # kg m^2 of both gears; teeth of gear 2 over those of gear 1
 FLYWHEEL, SHAFT = 0.5, 2e4  # kg m^2 and N m/rad, beside gear 1
@@ -32,6 +31,6 @@ def frequencies(stiffness: float) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    stiffness = gearmesh.solve(PAIR, 150.0, refinement="coarse").mesh_stiffness_loa_n_per_m * BASE_RADIUS**2
+    stiffness = gearmesh.solve(PAIRS / "spur-50-50.json", 150.0, refinement="coarse").mesh_stiffness_loa_n_per_m * BASE_RADIUS**2
     found = np.array([frequencies(k) for k in stiffness])
     print(f"mesh mode {found[:, -1].min():.0f} to {found[:, -1].max():.0f} Hz over the mesh cycle")

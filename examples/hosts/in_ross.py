@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import gearmesh
 import numpy as np
 import ross
 
-PAIR = Path(__file__).parents[1] / "drivelines" / "pairs" / "spur-50-50.json"
+from examples.shared.files import PAIRS
+
+from .mesh_stiffness import over_a_pitch
+
 STEEL = ross.Material("steel", rho=7810.0, E=206e9, G_s=79.2e9)
 
 
@@ -42,9 +42,7 @@ def lag(both: ross.MultiRotor, rpm: float, torque: float, duration: float = 5e-3
 
 
 if __name__ == "__main__":
-    cycle = gearmesh.solve(PAIR, 150.0, refinement="coarse")
-    # Of spur gears the line of action is the normal of the flank. The end of the pitch is its start again.
-    angle = np.append(cycle.mesh_position, 1.0) * 2.0 * np.pi / 50.0
-    rotors = coupled(angle, np.append(cycle.mesh_stiffness_loa_n_per_m, cycle.mesh_stiffness_loa_n_per_m[0]))
+    # Of spur gears the line of action is the normal of the flank.
+    rotors = coupled(*over_a_pitch(PAIRS / "spur-50-50.json", 150.0))
     print("eigenfrequencies, Hz:", np.round(rotors.run_modal(0.0, num_modes=24).wn / (2.0 * np.pi)))
     print(f"gear 2 lags by {1e6 * lag(rotors, 2000.0, 150.0).mean():.1f} um in the mean, by mesh, shafts and bearings")

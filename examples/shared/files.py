@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import gearmesh
 import matplotlib
-from gearmesh import command, plots
+from gearmesh import GearPair, command, plots
 
 matplotlib.use("Agg")
 
@@ -22,7 +23,7 @@ def save(figure, name: str) -> None:
     plots.save(figure, OUT / f"{name}.png")
 
 
-def shipped(name: str, **set: gearmesh.command.Value) -> Path:
+def shipped(name: str, **set: command.Value) -> Path:
     """The FMU of the tables in resources/tables, packed once, with start values."""
     tables = ROOT / "resources" / "tables" / f"{name}.json"
     return _made("-".join([name, *(f"{k}={v}" for k, v in set.items())]), tables, lambda out: gearmesh.pack(tables, out, set=set))
@@ -38,6 +39,14 @@ def built(pair: Path) -> Path:
     """The FMU of a pair file, with tables over load and mesh position on coarse finite elements."""
     options = {"refinement": "coarse", "no_center_distance": True, "no_misalignment": True}
     return _made(f"{pair.stem}-built", pair, lambda out: gearmesh.build(pair, out, **options))
+
+
+@contextmanager
+def opened(fmu: Path | str, parameters: Mapping[str, command.Value] | None = None, interface: str = "model-exchange") -> Iterator[GearPair]:
+    """An instance of the FMU with the parameters, initialised."""
+    with GearPair(fmu, parameters, interface) as pair:
+        pair.initialize()
+        yield pair
 
 
 def _made(name: str, source: Path, make: Callable[[Path], object]) -> Path:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from gearmesh import GearPair, History
 from gearmesh.exudyn import attach, attach_stepped
 from scipy.sparse import csr_matrix
 
-from .files import local, shipped
+from .files import local, opened, shipped
 from .walls import housing
 
 Output = exu.OutputVariableType
@@ -244,12 +244,9 @@ def cylinder(radius: float, length: float, bore: float = 0.0):
     return mass, np.diag([across, across, 0.5 * mass * (radius**2 + bore**2)])
 
 
-def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None, interface: str = "model-exchange") -> GearPair:
-    """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
-    fmu = fmu or (shipped if gears == HELICAL else local)(gears.name)
-    pair = GearPair(fmu, parameters, interface)
-    pair.initialize()
-    return pair
+def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None, interface: str = "model-exchange") -> AbstractContextManager[GearPair]:
+    """An instance of `fmu` or else of the tables at hand: the teeth touch at the start."""
+    return opened(fmu or (shipped if gears == HELICAL else local)(gears.name), parameters, interface)
 
 
 def rise(time: float, duration: float = 0.02) -> float:

@@ -47,7 +47,7 @@ def main() -> None:
         print(f"gearbox, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
     for element, name in ((False, "limited hinge"), (True, "gear element")):
-        pinion, wheel, force = run(element)
+        pinion, wheel = run(element)
         part = slice(len(pinion) // 2, None)
         right.plot(1e3 * RATIO * pinion[part], -1e3 * wheel[part], label=name)
         print(f"MuJoCo, {name}: lost motion {1e3 * lost_motion(pinion, wheel):.3f} mrad, gap {1e3 * GAP:.3f} mrad")

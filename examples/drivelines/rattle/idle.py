@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from functools import cache
 
 import numpy as np
-from gearmesh import GearPair, Turning, cosimulate, energy, integrate
+from gearmesh import Turning, cosimulate, energy, integrate
 
-from examples.shared.files import shipped
+from examples.shared.files import opened, shipped
 
 # The idle pair: fzg-c, 16 teeth on the countershaft, 24 on the idle gear.
 INERTIA, BASE_RADIUS = 1.5e-3, 101.4868e-3 / 2  # kg m^2 and m of the idle gear
@@ -25,11 +26,11 @@ STEP = 1e-5
 def turning(name: str, parameters: dict, coupling: str | None = None):
     """A pair whose gears turn on fixed axes; with a `coupling` by co-simulation, in steps of `STEP`."""
     choices, interface = (parameters | {"coupling": coupling}, "co-simulation") if coupling else (parameters, "model-exchange")
-    with GearPair(shipped(name), choices, interface) as pair:
-        pair.initialize()
+    with opened(shipped(name), choices, interface) as pair:
         yield Turning(pair, STEP if coupling else None)
 
 
+@cache
 def restitution(speed: float = 0.03) -> float:
     """Speed after over speed before an impact at `speed`, m/s on the line of action, gear 1 held."""
     with turning("fzg-c", IDLE) as mesh:

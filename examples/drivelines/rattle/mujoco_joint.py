@@ -87,8 +87,8 @@ class Joint:
         return float(d.qpos[1:].sum()), float(d.qvel[1:].sum())
 
 
-def run(element: bool, duration: float = 0.45) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Angles of pinion and wheel, rad, and the moment that the wheel receives, N m, every 0.1 ms."""
+def run(element: bool, duration: float = 0.45) -> tuple[np.ndarray, np.ndarray]:
+    """Angles of pinion and wheel, rad, every 0.1 ms."""
 
     def drive(d, _, speed):
         angle = SWING * np.sin(2.0 * np.pi * FREQUENCY * d.time)
@@ -101,9 +101,7 @@ def run(element: bool, duration: float = 0.45) -> tuple[np.ndarray, np.ndarray, 
         for n in range(round(duration / STEP)):
             mujoco.mj_step(joint.model, data)
             if n % every == 0:
-                angle, speed = joint.wheel(data)
-                force = joint.turning.moments()[1] if element else data.qacc[1:].sum() * INERTIAS[1] + DRAG * speed
-                out.append((data.qpos[0], angle, force))
+                out.append((data.qpos[0], joint.wheel(data)[0]))
     return tuple(np.array(out).T)
 
 

@@ -7,10 +7,10 @@ from functools import cache
 
 import gearmesh
 import numpy as np
-from gearmesh import GearPair, RunUp, Turning
+from gearmesh import RunUp, Turning
 
 from examples.shared import driven
-from examples.shared.files import PAIRS, local
+from examples.shared.files import PAIRS, local, opened
 
 TORQUE = 150.0  # N m on gear 1, and as much on gear 2
 INERTIA = 7.6e-3  # kg m^2, a steel disc of 150 mm and 20 mm
@@ -54,6 +54,5 @@ def linear_swing(natural_frequency_hz: float, rpm: np.ndarray) -> np.ndarray:
 
 def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """At a steady speed near resonance, from no load, so that teeth part: what energy and loads stray, over the run."""
-    with GearPair(local("spur-50-50"), {"damping": DAMPING * damped}, "model-exchange") as pair:
-        pair.initialize()
+    with opened(local("spur-50-50"), {"damping": DAMPING * damped}) as pair:
         return driven.balance(Turning(pair), INERTIA, TORQUE, rpm, 0.0, duration, step)

@@ -10,7 +10,7 @@ from gearmesh import GearPair, integrate
 from gearmesh.energy import Ledger, mesh_loss
 from gearmesh.poses import generalised, place
 
-from examples.shared.files import shipped
+from examples.shared.files import opened, shipped
 
 # The pair helical-25-47 by its drawing: transverse pressure angle and helix angle at the operating pitch cylinders.
 CENTER_DISTANCE, MIDDLE, FACE_OF_GEAR2 = 98e-3, 11e-3, 1e-3  # m; MIDDLE of the common face in gear 2's frame
@@ -115,8 +115,7 @@ class Assembly:
 @contextmanager
 def assembled(support: Support, frequency: float, damping: float = DAMPING):
     choices = {"stiffnessModel": "constant", "constantStiffness": STIFFNESS, "damping": damping}
-    with GearPair(shipped("helical-25-47"), choices, "model-exchange") as pair:
-        pair.initialize()
+    with opened(shipped("helical-25-47"), choices) as pair:
         yield Assembly(support, pair, frequency)
 
 

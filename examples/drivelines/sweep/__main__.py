@@ -1,7 +1,7 @@
 """`python -m examples.drivelines.sweep`: dynamic factor over speed, torque, misalignment and centre distance.
 
 Runs on a local Dask cluster, or on the one at `--scheduler ADDRESS`; what is done stays done after a kill. Writes
-target/drivelines/sweep.csv and sweep.png. `--throughput` measures instead.
+target/drivelines/sweep.csv and sweep.png.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import sys
-import time
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -17,13 +16,12 @@ from pathlib import Path
 import cloudpickle
 import numpy as np
 from dask.distributed import Client, LocalCluster
-from gearmesh import GearPair
 from gearmesh.energy import in_words
 from gearmesh.plots import figure as new_figure
 from gearmesh.sweep import grid, sweep
 
 from examples.shared import driven
-from examples.shared.files import OUT, save, shipped
+from examples.shared.files import OUT, opened, save, shipped
 from examples.shared.tables import show
 
 from . import runs
@@ -66,35 +64,10 @@ def progress(done: int, total: int) -> None:
     print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def processor_time(client: Client) -> float:
-    """Of all workers and of this process, which also schedules for a local cluster, s."""
-    return time.process_time() + sum(client.run(time.process_time).values())
-
-
-def throughput(fmu: bytes) -> None:
-    """Runs per second: Dask with one and with two workers, and one process that runs 64 side by side or one by one."""
-    some = [case | {"first_rpm": rpm} for case in cases(1)[::2] for rpm in np.linspace(2000.0, 12000.0, 8)]
-    for workers in (1, 2):
-        with connect(None, workers) as client:
-            parts = OUT / "throughput" / f"{time.time_ns()}"
-            study(fmu, some[:1], parts, client)
-            clock, spent = time.perf_counter(), processor_time(client)
-            study(fmu, some, parts, client, batch=8)
-            clock, spent = time.perf_counter() - clock, processor_time(client) - spent
-            print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / clock:.1f} runs/s, {len(some) / spent:.1f} per second of processor time")
-    for count in (1, 8, 64):
-        runs.simulate(fmu, some[:count])
-        clock = time.process_time()
-        for i in range(0, 64, count):
-            runs.simulate(fmu, some[i : i + count])
-        print(f"one process, {count} instance{'s' * (count > 1)}: {64 / (time.process_time() - clock):.1f} runs per second of processor time")
-
-
 def balance(damped: bool, duration: float = 0.02, step: float = 2.5e-6) -> dict[str, float]:
     """Of a run with tilted gears too far apart, from the middle of the backlash: what energy and loads stray, over the run."""
     fmu = shipped("fzg-c", phaseReference="absolute")
-    with GearPair(fmu, {} if damped else {"damping": 0.0}, "model-exchange") as pair:
-        pair.initialize()
+    with opened(fmu, {} if damped else {"damping": 0.0}) as pair:
         run = runs.Run(pair, {"torque_nm": 100.0, "misalignment_mrad": TILTS[1], "center_distance_offset_um": OFFSETS[1]})
         return driven.balance(run.turning, runs.INERTIA, run.torque, 8000.0, run.middle, duration, step)
 
@@ -103,12 +76,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--workers", type=int, default=2, help="local worker processes")
-    parser.add_argument("--throughput", action="store_true")
     arguments = parser.parse_args()
     fmu = shipped("fzg-c", phaseReference="absolute").read_bytes()
-    if arguments.throughput:
-        throughput(fmu)
-        return
     with connect(arguments.scheduler, arguments.workers) as client:
         table = study(fmu, cases(), OUT / "sweep", client, progress=progress)
     rows = [np.broadcast_to(column.reshape(len(cases()), -1), (len(cases()), COUNT)).ravel() for column in table.values()]

@@ -41,7 +41,7 @@ class Run:
         pair["gear2.position[1]"] = geometry.center_distance + 1e-6 * case["center_distance_offset_um"]
         self.turning.tilt(*geometry.tilt_of_gear2(1e-3 * case["misalignment_mrad"]))
         self.static = case["torque_nm"] / geometry.pitch_radii[0]
-        self.signals = [pair.output[name] for name in ("mesh.tangentialForce", "mesh.transmissionError")]
+        self.force = pair.output["mesh.tangentialForce"]
 
     def acceleration(self, angle: float, speed: float, ahead: float, slip: float) -> float:
         """Of gear 2, which is `ahead` of the motion in ratio, from angle and speed of gear 1."""
@@ -52,7 +52,7 @@ def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, list[f
     """Runs the cases side by side by Runge-Kutta 4, each over so many `speeds` from `first_rpm` to `last_rpm`.
 
     A speed starts from the motion at the one before, so where two answers exist each direction keeps its own. The drives
-    bring what changes the speed. By speed: the largest and smallest force over the mean, and what the errors swing.
+    bring what changes the speed. By speed: the largest force over the mean.
     """
     runs = [Run(pair, case) for pair, case in zip(units(fmu, len(cases)), cases)]
     speeds = np.array([np.linspace(case["first_rpm"], case["last_rpm"], int(case["speeds"])) for case in cases]).T
@@ -67,14 +67,10 @@ def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, list[f
             motions = zip(runs, angle.tolist(), speed.tolist(), ahead.tolist(), slip.tolist())
             return np.concatenate([speed, slip, [run.acceleration(*motion) for run, *motion in motions]])
 
-        found = []
+        largest = np.zeros(len(runs))
         for time, state, _ in integrate(rate, state, STEP, round((SETTLE + MEASURE) / STEP)):
             if time >= SETTLE - 0.5 * STEP:
-                found.append([[run.turning.pair.y[k] for k in run.signals] for run in runs])
-        forces, errors = np.moveaxis(np.array(found), -1, 0)
-        rows.append([forces.max(axis=0) / static, forces.min(axis=0) / static, 1e6 * np.ptp(errors, axis=0), (forces == 0.0).mean(axis=0)])
-    names = ("dynamic_factor", "lowest_factor", "transmission_error_pp_um", "apart")
-    return [
-        {"speed_rpm": speeds[:, i].tolist()} | {name: [float(row[k][i]) for row in rows] for k, name in enumerate(names)}
-        for i in range(len(runs))
-    ]
+                largest = np.maximum(largest, [run.turning.pair.y[run.force] for run in runs])
+        rows.append(largest / static)
+    factors = np.array(rows).T
+    return [{"speed_rpm": speed.tolist(), "dynamic_factor": factor.tolist()} for speed, factor in zip(speeds.T, factors)]

@@ -13,7 +13,7 @@ import numpy as np
 from gearmesh.plots import BLUE, GREEN, GREY, RED, figure, save
 
 from . import scenes
-from .results import SPEEDS, Results
+from .results import Results
 from .scenes import DTE, TORQUE
 
 matplotlib.use("Agg")
@@ -86,13 +86,6 @@ def load_cycles(results: Results, axes) -> None:
     label(axes, "mesh position", TANGENTIAL, ncols=3, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 1.2))
 
 
-def misalignment(results: Results, axes) -> None:
-    """Fig. 21: DTE from 0 to -3 mrad."""
-    record = results.misalignment["negative"]
-    axes.plot(-record["mesh.misalignment"] * 1e3, record[DTE] * UM, color=BLUE, lw=1.0)
-    label(axes, "misalignment, absolute value (mrad)", TANGENTIAL)
-
-
 def contact_position(results: Results, axes) -> None:
     """Fig. 22: axial position of the resultant from 0 to -3 mrad."""
     record = results.misalignment["negative"]
@@ -111,16 +104,15 @@ def both_signs(results: Results, axes) -> None:
 
 
 def over_cycles(results: Results, axes, column: str, scale: float) -> None:
-    """A column over the mesh cycles of the run-up that are nearest to the speeds named."""
-    record = results.sweep
-    cycles = scenes.cycles_of(record)
-    for rpm, color in zip(SPEEDS, matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, len(SPEEDS)))):
-        one = min(cycles, key=lambda s: abs(record.speed_rpm[s].mean() - rpm))
-        axes.plot(record["mesh.position"][one], record[column][one] * scale, color=color, label=f"{rpm} rpm")
+    """A column over the last mesh cycle at each speed."""
+    for (rpm, record), color in zip(results.steady.items(), matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, len(results.steady)))):
+        last = record.cut(slice(len(record.time_s) // 2, None))
+        order = np.argsort(last["mesh.position"])
+        axes.plot(last["mesh.position"][order], last[column][order] * scale, color=color, label=f"{rpm} rpm")
 
 
-def dte_in_run_up(results: Results, axes) -> None:
-    """Fig. 15: DTE over a mesh cycle at several speeds of the run-up, with the STE."""
+def dte_over_speed(results: Results, axes) -> None:
+    """Fig. 15: DTE over a mesh cycle at several speeds, with the STE."""
     cycle = results.static["unmodified"][100]
     order = np.argsort(cycle.mesh_position)
     static = cycle.ste_loa_um / math.cos(results.geometry.pressure_angle)
@@ -129,16 +121,10 @@ def dte_in_run_up(results: Results, axes) -> None:
     label(axes, "mesh position", "transmission error (µm, tangential)")
 
 
-def force_in_run_up(results: Results, axes) -> None:
-    """Fig. 17: normal force over the nominal one at several speeds of the run-up."""
+def force_over_speed(results: Results, axes) -> None:
+    """Fig. 17: normal force over the nominal one at several speeds."""
     over_cycles(results, axes, "mesh.normalForce", 1.0 / results.geometry.normal_force(TORQUE))
     label(axes, "mesh position", "normal force / nominal")
-
-
-def run_up(results: Results, axes) -> None:
-    """The whole run-up: DTE over the speed."""
-    axes.plot(results.sweep.speed_rpm, results.sweep[DTE] * UM, color=BLUE, lw=0.4)
-    label(axes, "speed (rpm)", TANGENTIAL)
 
 
 def frequency_response(results: Results, axes) -> None:
@@ -211,43 +197,29 @@ FIGURES = (
         load_cycles,
     ),
     Figure(
-        "fig21-misalignment.png",
-        "Misalignment from 0 to -3 mrad (Fig. 21)",
-        "Transmission error at 100 N m while gear 2 tilts in the plane of action.",
-        misalignment,
-    ),
-    Figure(
         "fig22-contact-position.png",
         "Shift of the contact along the face (Fig. 22)",
-        "Axial position of the resultant force in the same run; dashed: mid-face.",
+        "Axial position of the resultant force at 100 N m while gear 2 tilts in the plane of action; dashed: mid-face.",
         contact_position,
     ),
     Figure(
         "fig23-both-signs.png",
         "Misalignment of either sign (Fig. 23)",
-        "With the paper's formulation the transmission error is taken in the z = 0 plane of gear 1, where "
+        "Transmission error at 100 N m. With the paper's formulation the transmission error is taken in the z = 0 plane of gear 1, where "
         "a positive misalignment lets gear 2 run ahead.",
         both_signs,
     ),
     Figure(
-        "fig15-run-up-dte.png",
-        "Transmission error in the paper's run-up (Fig. 15)",
-        "Unmodified pair, constant load, 4.8 times critical damping as in the paper, one sweep from 0 to 3000 rpm; the cycles "
-        "nearest to the speeds named.",
-        dte_in_run_up,
+        "fig15-dte.png",
+        "Transmission error at the speeds of the paper's run-up (Fig. 15)",
+        "Unmodified pair, constant load, 4.8 times critical damping as in the paper, a mesh cycle at each speed, held.",
+        dte_over_speed,
     ),
     Figure(
-        "fig17-run-up-force.png",
-        "Normal force in the paper's run-up (Fig. 17)",
-        "Over the nominal normal force, in the same sweep, where speeding gear 2 up takes a thousandth of the torque; "
-        "the table has the force at constant speed, without that and without what the cycles before leave behind.",
-        force_in_run_up,
-    ),
-    Figure(
-        "run-up.png",
-        "The whole run-up of the paper",
-        "What inertia and damping leave of the cycles from 0 to 3000 rpm.",
-        run_up,
+        "fig17-force.png",
+        "Normal force at the speeds of the paper's run-up (Fig. 17)",
+        "Over the nominal normal force, in the same cycles.",
+        force_over_speed,
     ),
     Figure(
         "fig16-frequency-response.png",

@@ -75,8 +75,8 @@ def write(results: Results, folder: Path) -> Path:
 <h1>The gear pair of Palermo et al. (2013), from its drawing to its FMU</h1>
 <p>First what <a href="report.html"><code>gearmesh report</code></a> and <code>gearmesh solve</code> say of the pair at rest, then
 <code>palermo2013.fmu</code> in motion, driven through fmpy: a run-up at a usual damping, and the paper's simulations, in
-which gear 1 turns as imposed, gear 2 turns on a rigid revolute joint and its inertia is integrated outside the FMU. Run-ups
-are of the unmodified pair. Everything on this page took {results.seconds:.0f} s.</p>
+which gear 1 turns as imposed, gear 2 turns on a rigid revolute joint and its inertia is integrated outside the FMU. The
+run-up is of the unmodified pair. Everything on this page took {results.seconds:.0f} s.</p>
 <p>Next: the same for a pair of your own.</p>
 <pre>target/release/gearmesh new --teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 -o pair.json
 target/release/gearmesh report pair.json -o pair.html

@@ -35,7 +35,6 @@ class Results:
     loads: dict[str, dict[int, History]]  # "variable" or "constant" load, torque in N m
     torque_ramp: dict[str, History]  # "variable" or "constant" load
     misalignment: dict[str, History]  # "negative" or "positive"
-    sweep: History
     steady: dict[int, History]  # rpm
     response: FrequencyResponse
     seconds: float
@@ -78,7 +77,6 @@ def scenes_of(later: Callable[..., Future], units: dict[str, Path], static: dict
     with GearPair(modified) as pair:
         geometry = pair.geometry
     frequencies = np.unique(np.concatenate([np.geomspace(40, 8000, 16), *map(np.array, scenes.PAPER_FREQUENCIES.values())]))
-    sweep = later(scenes.speed_sweep, unmodified)
     resonance = later(scenes.resonant_run_up, unmodified)
     torque_ramp = {kind: later(scenes.torque_ramp, modified, kind == "variable") for kind in ("variable", "constant")}
     misalignment = {
@@ -93,5 +91,5 @@ def scenes_of(later: Callable[..., Future], units: dict[str, Path], static: dict
     say("run-ups, 50 rpm under torque and misalignment, frequency response")
     return Results(
         geometry, static, resonance.result(), *map(found, (slow, loads, torque_ramp, misalignment)),
-        sweep.result(), found(steady), response.result(), time.perf_counter() - began,
+        found(steady), response.result(), time.perf_counter() - began,
     )  # fmt: skip

@@ -22,7 +22,7 @@ SLOW_RPM = 50.0
 # Between both time constants: well above c/m = 2.5 us (the linearly implicit step may be), well below
 # c/k = 0.23 ms and 1/2000 of a mesh cycle at 50 rpm.
 IMPLICIT_STEP = 2e-5
-# Below 2 c/m = 5 us, where a force held over the step stays stable.
+# Below 2 m/c = 5 us, where a force held over the step stays stable.
 EXPLICIT_STEP = 2e-6
 SETTLING = 0.02  # s, some 80 time constants c/k
 
@@ -60,25 +60,22 @@ Motion = Callable[[float], float]
 def simulate(
     unit: Path,
     choices: dict,
+    rpm: float,
     *,
-    rpm: Motion,
-    angle: Motion,
     duration: float,
     step: float,
     torque: Motion = lambda t: TORQUE,
     misalignment: Motion | None = None,
-    explicit: bool = False,
     every: int = 1,
 ) -> History:
-    """Runs the pair from rest at angle zero, which is the touching pose without load; signals are in SI.
+    """Runs the pair from angle zero, which is the touching pose without load, gear 1 at a constant speed; signals are in SI.
 
-    `rpm(t)` and `angle(t)`, rad, are of gear 1, `torque(t)` acts on gear 2 (against the drive flank when positive),
-    `misalignment(t)` tilts gear 2 in the plane of action, changing so slowly that its own rate is left out.
+    `torque(t)` acts on gear 2 (against the drive flank when positive), `misalignment(t)` tilts gear 2 in the plane of action,
+    changing so slowly that its own rate is left out.
 
-    The pair is overdamped: the fast root is c/m = 4e5 1/s. With `explicit` the force of one step is held over the
-    next, which is stable only below 2 m/c = 5 us. Otherwise the step is linearly implicit: the moment at the predicted pose
-    is corrected by its derivatives, which the FMU gives as `mesh.stiffness` and as the damping, so that the step need
-    only resolve the mesh cycle.
+    The pair is overdamped: the fast root is c/m = 4e5 1/s. Below 2 m/c = 5 us the force of one step is held over the next. A longer
+    step is linearly implicit: the moment at the predicted pose is corrected by its derivatives, which the FMU gives as `mesh.stiffness`
+    and as the damping, so that the step need only resolve the mesh cycle.
     """
     with GearPair(unit, PAPER | choices) as pair:
         pair.initialize()
@@ -86,34 +83,30 @@ def simulate(
         stiffness, force = pair.output["mesh.stiffness"], pair.output["mesh.tangentialForce"]
         recorded = [pair.output[name] for name in RECORDED]
         squared = geometry.pitch_radii[1] ** 2
-        omega = math.pi / 30.0
+        speed_of_gear1 = rpm * math.pi / 30.0
+        implicit = step > 2.0 * INERTIA_OF_GEAR2 / squared / DAMPING
 
         def place(time: float, state: tuple[float, float]) -> None:
             time += step
             if misalignment is not None:
                 turning.tilt(*geometry.tilt_of_gear2(misalignment(time)))
-            turning.place(angle(time), omega * rpm(time), state[0] + step * state[1], state[1])
+            turning.place(speed_of_gear1 * time, speed_of_gear1, state[0] + step * state[1], state[1])
 
         def advance(time: float, state: tuple[float, float]) -> tuple[float, float]:
             inertia = INERTIA_OF_GEAR2
-            if not explicit and y[force] > 0.0:
+            if implicit and y[force] > 0.0:
                 inertia += squared * step * (DAMPING + step * y[stiffness])
             speed = state[1] + step * (torque(time + step) + turning.moments()[1]) / inertia
             return state[0] + step * speed, speed
 
-        start = (0.0, geometry.ratio * omega * rpm(0.0))
+        start = (0.0, geometry.ratio * speed_of_gear1)
         rows = [
             (time + step, *(y[i] for i in recorded))
             for n, (time, _) in enumerate(cosimulate(pair, place, advance, start, step, round(duration / step)), 1)
             if n % every == 0
         ]
     time, *columns = np.array(rows).T
-    return History(time, np.vectorize(angle)(time), np.vectorize(rpm)(time), dict(zip(RECORDED, columns)))
-
-
-def at_constant_speed(unit: Path, choices: dict, rpm: float, **scene) -> History:
-    """As `simulate`."""
-    return simulate(unit, choices, rpm=lambda t: rpm, angle=lambda t: rpm * math.pi / 30.0 * t, **scene)
+    return History(time, speed_of_gear1 * time, np.full(len(time), rpm), dict(zip(RECORDED, columns)))
 
 
 def after(history: History, start: float) -> History:
@@ -130,37 +123,27 @@ def slow_cycles(unit: Path, torque: float, load_dependent: bool = True, cycles: 
     """Whole mesh cycles at 50 rpm, aligned, under a constant torque."""
     period = 60.0 / (SLOW_RPM * 20)
     choices = VARIABLE_LOAD if load_dependent else CONSTANT_LOAD
-    history = at_constant_speed(unit, choices, SLOW_RPM, torque=lambda t: torque, duration=(cycles + 1) * period, step=IMPLICIT_STEP)
+    history = simulate(unit, choices, SLOW_RPM, torque=lambda t: torque, duration=(cycles + 1) * period, step=IMPLICIT_STEP)
     return after(history, period)
 
 
 def torque_ramp(unit: Path, load_dependent: bool, duration: float = 2.4) -> History:
     """70 to 130 N m at 50 rpm (Fig. 19)."""
     choices, torque = VARIABLE_LOAD if load_dependent else CONSTANT_LOAD, ramp(70.0, 130.0, duration)
-    return after(at_constant_speed(unit, choices, SLOW_RPM, torque=torque, duration=duration, step=IMPLICIT_STEP, every=4), SETTLING)
+    return after(simulate(unit, choices, SLOW_RPM, torque=torque, duration=duration, step=IMPLICIT_STEP, every=4), SETTLING)
 
 
 def misalignment_ramp(unit: Path, end: float, duration: float = 2.4) -> History:
-    """Misalignment from 0 to `end` rad at 50 rpm and nominal torque (Fig. 21 to 23)."""
+    """Misalignment from 0 to `end` rad at 50 rpm and nominal torque (Fig. 22, 23)."""
     choices, tilt = VARIABLE_LOAD | {"misalignmentEffect": True, "shuttlingEffect": True}, ramp(0.0, end, duration)
-    return after(at_constant_speed(unit, choices, SLOW_RPM, misalignment=tilt, duration=duration, step=IMPLICIT_STEP, every=4), SETTLING)
-
-
-def speed_sweep(unit: Path, duration: float = 1.2) -> History:
-    """Run-up from 0 to 3000 rpm in one continuous sweep, constant load, explicit (Fig. 15, 17)."""
-    change = 3000.0 / duration
-    history = simulate(
-        unit, CONSTANT_LOAD, rpm=lambda t: change * t, angle=lambda t: 0.5 * change * math.pi / 30.0 * t * t,
-        duration=duration, step=EXPLICIT_STEP, explicit=True, every=5,
-    )  # fmt: skip
-    return after(history, SETTLING)
+    return after(simulate(unit, choices, SLOW_RPM, misalignment=tilt, duration=duration, step=IMPLICIT_STEP, every=4), SETTLING)
 
 
 def steady_cycles(unit: Path, rpm: float, cycles: int = 2) -> History:
-    """The last whole mesh cycles at a constant speed, constant load, explicit."""
+    """The last whole mesh cycles at a constant speed, constant load, explicit (Fig. 15, 17)."""
     period = 60.0 / (rpm * 20)
     settling = period * math.ceil(SETTLING / period)
-    history = at_constant_speed(unit, CONSTANT_LOAD, rpm, duration=settling + cycles * period, step=EXPLICIT_STEP, explicit=True)
+    history = simulate(unit, CONSTANT_LOAD, rpm, duration=settling + cycles * period, step=EXPLICIT_STEP)
     return history.cut(slice(-round(cycles * period / EXPLICIT_STEP), None))
 
 
@@ -199,9 +182,9 @@ def frequency_response(unit: Path, radius: float, frequencies: np.ndarray) -> Fr
         # A whole number of steps per period, so that the Fourier sum below is over whole periods.
         step = period / math.ceil(period / EXPLICIT_STEP)
         cycles = max(1, round(4e-3 / period))
-        history = at_constant_speed(
+        history = simulate(
             unit, choices, 0.0, torque=lambda t: TORQUE + amplitude * math.sin(omega * t),
-            duration=settling + cycles * period, step=step, explicit=True,
+            duration=settling + cycles * period, step=step,
         )  # fmt: skip
         tail = history.cut(slice(-cycles * round(period / step), None))
         measured.append(2.0 * abs(np.mean(tail[DTE] * np.exp(-1j * omega * tail.time_s))) / static)

@@ -142,9 +142,8 @@ report: examples
 	    --vary gear1.tip_relief.start.diameter_mm,gear2.tip_relief.start.diameter_mm=150..154/optimize
 	cp target/study/figures/measure-of-the-points-in-their-order.svg docs/img/study-optimizer.svg
 	cp target/study/samples.csv docs/data/study-optimizer.csv
-	cp target/drivelines/*.png docs/drivelines/
-	cp $(addprefix target/drivelines/,response.csv sweep-branches.csv loss.csv holes.csv) docs/data/drivelines/
-	$(VENV)/bin/python -m examples.drivelines.tutorial --docs docs
+	cp target/drivelines/*.png target/drivelines/tutorial-*.svg docs/drivelines/
+	cp $(addprefix target/drivelines/,response.csv sweep-branches.csv loss.csv holes.csv tutorial.csv) docs/data/drivelines/
 	$(VENV)/bin/python -m scripts.docs.figures
 
 # The driveline examples; their plots go to target/drivelines, none into docs.

@@ -60,13 +60,15 @@ def attach_stepped(
     """
     reference = [tuple(map(float, position)) for position in positions]
     late = pair.parameters["coupling"] == "parallel"
-    acting = given = [0.0] * 12
+    acting: Sequence[float] = [0.0] * 12
+    given: Sequence[float] = []
 
     def step(q: Sequence[float], q_t: Sequence[float], size: float) -> None:
         nonlocal acting, given
         place(pair, q, q_t, reference)
         pair.step(size)
-        acting, given = (given if late else pair.y[:12]), pair.y[:12]
+        loads = pair.y[:12]
+        acting, given = (given or loads) if late else loads, loads  # the first ones act at once
 
     def forces(_mbs: Any, _time: float, _item: int, q: Any, _q_t: Any) -> Any:
         return generalised(acting, q)

@@ -8,7 +8,8 @@ from functools import partial
 import gearmesh
 import numpy as np
 import pytest
-from conftest import ROOT
+from gearmesh.exudyn import attach_stepped
+from gearmesh.poses import generalised
 from scipy.sparse import csc_matrix, hstack, identity
 from scipy.sparse.linalg import spsolve
 from examples.drivelines import holes, loss
@@ -20,7 +21,7 @@ from examples.drivelines.rattle import idle, mujoco_joint
 from examples.drivelines.response import jump, linear
 from examples.drivelines.sweep import __main__ as study
 from examples.drivelines.tutorial import __main__ as tutorial
-from examples.shared import gearbox, walls
+from examples.shared import files, gearbox, walls
 from examples.shared.gearbox import HELICAL, SPUR
 from scripts.docs.check import cell
 from validation import steps
@@ -327,6 +328,24 @@ def test_predicted_loads_bear_twice_the_packed_step_and_err_by_less_than_a_perce
     assert masters.distance(found, reference) < 0.01
 
 
+def test_the_first_loads_of_a_parallel_unit_act_at_once_in_exudyn():
+    class Bodies:
+        def AddObject(self, item):
+            self.forces = item.forceUserFunction
+
+    bodies, q, rest = Bodies(), np.zeros(12), np.zeros(12)
+    with files.opened(files.shipped("fzg-c"), {"coupling": "parallel"}, "co-simulation") as pair:
+        step = attach_stepped(bodies, pair, [0, 1], [[0.0, 0.0, 0.0], [pair.geometry.center_distance, 0.0, 0.0]])
+        loads = []
+        for turn in (1e-3, 2e-3):
+            q[5] = turn
+            step(q, rest, 1e-6)
+            loads.append(pair.y[:12])
+            # Of the first step, in that step and in the next one.
+            assert any(loads[0]) and bodies.forces(None, 0.0, 0, q, rest) == pytest.approx(generalised(loads[0], q))
+        assert loads[1] != loads[0]
+
+
 def test_an_idle_gear_bounces_once_a_period_where_its_restitution_lets_it():
     low, high = idle.period_one(idle.restitution())
     assert low < 1.0 < high
@@ -366,11 +385,14 @@ def test_what_a_first_order_integrator_strays_in_mujoco_falls_with_its_step():
 
 
 def test_the_figures_of_the_tutorial_are_those_found():
-    """To the last digit given; `python -m examples.drivelines.tutorial --docs docs` writes them anew."""
-    page, pairs = (ROOT / "docs" / "tutorial.md").read_text(), tutorial.pair_files()
-    for pattern, value in tutorial.figures(pairs, tutorial.run_ups(pairs)).items():
-        (stated,) = re.findall(pattern, page)
-        assert float(stated) == pytest.approx(value, rel=0.01, abs=10.0 ** -tutorial.digits(stated)), pattern
+    """To the last digit given; `make report` writes them anew."""
+    pairs = tutorial.pair_files()
+    head, *rows = tutorial.table(pairs, tutorial.run_ups(pairs))
+    for name, *values in rows:
+        for column, value in zip(head[1:], values):
+            stated = cell("drivelines/tutorial.csv", f"quantity={name}", column)
+            unit = 10.0 ** -len(stated.partition(".")[2])
+            assert stated == value or float(stated) == pytest.approx(float(value), rel=0.01, abs=unit), (name, column)
 
 
 def test_the_relief_of_the_tutorial_takes_the_first_harmonic_at_its_torque_alone():

@@ -1,12 +1,7 @@
-"""`python -m examples.drivelines.tutorial`: every picture and figure of docs/tutorial.md, into target/drivelines.
-
-With `--docs docs` also into the page and its folder of pictures.
-"""
+"""`python -m examples.drivelines.tutorial`: every picture of docs/tutorial.md, and its figures as tutorial.csv, into target/drivelines."""
 
 from __future__ import annotations
 
-import argparse
-import re
 import shutil
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -18,10 +13,10 @@ from gearmesh.plots import figure as new_figure
 
 from examples.shared.files import OUT, PAIRS, built, save
 from examples.shared.gearbox import SPUR, sweep
+from examples.shared.tables import show
 
 TORQUE = 150.0
 ORDERS = (SPUR.teeth[0], 2 * SPUR.teeth[0])
-NUMBER = r"(\d+(?:\.\d+)?)"
 
 
 def relieved() -> Path:
@@ -65,52 +60,26 @@ def order_over_speed(run: History, order: int) -> tuple[np.ndarray, np.ndarray]:
     return found.speed_rpm[fast], found.of(order)[fast]
 
 
-def figures(pairs: dict[str, Path], runs: list) -> dict[str, float]:
-    """Figures of the page, each by the text around it: a regular expression whose group is the figure."""
+def table(pairs: dict[str, Path], runs: list[History]) -> list[list[str]]:
+    """Figures of the page, with as many digits."""
     cycles = [static(pair, TORQUE)[0] for pair in pairs.values()]
-    span, first = [c.peak_to_peak_ste_loa_um for c in cycles], [c.harmonics_loa_um[0] for c in cycles]
-    found = {
-        rf"by {NUMBER} µm peak to peak": span[0],
-        rf"first harmonic, {NUMBER} µm": first[0],
-        rf"peak to peak \| {NUMBER} µm": span[0],
-        rf"peak to peak \| .* \| {NUMBER} µm": span[1],
-        rf"first harmonic \| {NUMBER} µm": first[0],
-        rf"first harmonic \| .* \| {NUMBER} µm": first[1],
-        rf"harmonic fell by {NUMBER} dB": decibels(first),
-    }
+    lines = [
+        ("STE, peak to peak (um)", 2, [cycle.peak_to_peak_ste_loa_um for cycle in cycles]),
+        ("first harmonic (um)", 3, [cycle.harmonics_loa_um[0] for cycle in cycles]),
+    ]
+    rows = [["quantity", *pairs, "lower by (dB)"]]
     for order in ORDERS:
         curves = [order_over_speed(run, order) for run in runs]
-        peaks = [(amplitude.max(), rpm[amplitude.argmax()]) for rpm, amplitude in curves]
-        for column, (largest, speed) in zip(("", r".* \| "), peaks):
-            row = rf"order {order} of the wall, largest \| {column}"
-            found[rf"{row}{NUMBER} m/s²"] = largest
-            if order == ORDERS[0]:
-                found[rf"{row}[\d.]+ m/s² at {NUMBER} rpm"] = speed
-        if order == ORDERS[0]:
-            found[rf"order {order} reaches {NUMBER} m/s²"] = peaks[0][0]
-            found[rf"order {order} reaches [\d.]+ m/s² at {NUMBER} rpm"] = peaks[0][1]
-            found[rf"order {order} by {NUMBER} dB at resonance"] = decibels([largest for largest, _ in peaks])
-            found[rf"by {NUMBER} dB above 5000 rpm"] = decibels([amplitude[rpm > 5000.0].max() for rpm, amplitude in curves])
-    # Lines of the page may end anywhere.
-    return {pattern.replace(" ", r"\s+"): value for pattern, value in found.items()}
+        lines.append((f"order {order} of the wall (m/s2)", 1, [amplitude.max() for _, amplitude in curves]))
+        lines.append((f"order {order} above 5000 rpm (m/s2)", 1, [amplitude[rpm > 5000.0].max() for rpm, amplitude in curves]))
+        speeds = [f"{rpm[amplitude.argmax()]:.0f}" for rpm, amplitude in curves]
+        rows.append([f"speed of the largest order {order} (rpm)", *speeds, ""])
+    return rows + [[name, *(f"{v:.{digits}f}" for v in values), f"{decibels(values):.0f}"] for name, digits, values in lines]
 
 
 def decibels(values) -> float:
     """By how much the second is below the first."""
     return float(gearmesh.decibels(values[0], values[1]))
-
-
-def digits(figure: str) -> int:
-    """Decimals that the page gives."""
-    return len(figure.partition(".")[2])
-
-
-def rewritten(page: str, found: dict[str, float]) -> str:
-    """The page with the figures found, as exact as it has them."""
-    for pattern, value in found.items():
-        (match,) = re.finditer(pattern, page)
-        page = f"{page[: match.start(1)]}{value:.{digits(match[1])}f}{page[match.end(1) :]}"
-    return page
 
 
 def ste_figure(pairs: dict[str, Path]) -> None:
@@ -139,28 +108,16 @@ def order_figure(pairs: dict[str, Path], runs: list[History]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--docs", type=Path, help="folder of tutorial.md, which is given the figures and pictures found")
-    docs = parser.parse_args().docs
     pairs = pair_files()
-    pictures = ["tutorial-ste.png", "tutorial-orders.png"]
     for pair in pairs.values():
         folder = OUT / "tutorial" / pair.stem
         folder.parent.mkdir(parents=True, exist_ok=True)
         gearmesh.command.run("report", pair, "-o", folder.with_suffix(".html"), "--figures", folder, "--refinement", "coarse")
-        pictures.append(f"tutorial-contact-{pair.stem}.svg")
-        shutil.copy(folder / "contact-pattern-on-gear-1-at-200-n-m.svg", OUT / pictures[-1])
+        shutil.copy(folder / "contact-pattern-on-gear-1-at-200-n-m.svg", OUT / f"tutorial-contact-{pair.stem}.svg")
     ste_figure(pairs)
     runs = run_ups(pairs)
     order_figure(pairs, runs)
-    found = figures(pairs, runs)
-    for pattern, value in found.items():
-        print(f"{value:9.3f}  {pattern.replace(NUMBER, '_').replace(chr(92) + 's+', ' ')}")
-    if docs:
-        page = docs / "tutorial.md"
-        page.write_text(rewritten(page.read_text(), found))
-        for name in pictures:
-            shutil.copy(OUT / name, docs / "drivelines" / name)
+    show("tutorial", table(pairs, runs), OUT)
 
 
 if __name__ == "__main__":

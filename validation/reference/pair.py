@@ -1,6 +1,6 @@
 """A gear pair of involute teeth: where flanks touch, how far apart they are, and the material removed from them. Lengths in mm."""
 
-from math import acos, cos, hypot, pi, radians, sin, sqrt, tan
+from math import acos, cos, hypot, pi, radians, sqrt, tan
 
 import numpy as np
 

@@ -1,6 +1,6 @@
 """Teeth of involute gears by formulas that share nothing with the program: what the reference programs here have in common."""
 
-from math import acos, atan, cos, hypot, pi, radians, sin, sqrt, tan
+from math import acos, atan, cos, hypot, pi, radians, sin, tan
 
 import numpy as np
 from scipy.optimize import brentq

@@ -33,6 +33,16 @@ const OPTIONAL: [&[&str]; 7] = [
     &["bore_diameter_mm"],
 ];
 
+/// Likewise of the pair. Backlash that both tooth thicknesses contradict is left out, as they are what is measured.
+const OPTIONAL_OF_PAIR: [&[&str]; 2] = [&["normal_backlash_um"], &["backlash_um"]];
+
+/// Fields that say how thick the teeth of a gear are.
+const THICKNESS: [&str; 3] = [
+    "normal_tooth_thickness_mm",
+    "span_measurement_mm",
+    "dimension_over_balls_mm",
+];
+
 /// Parts of the names of attributes that change the geometry of teeth.
 const GEOMETRY: [&str; 8] = [
     "chamfer",
@@ -167,8 +177,9 @@ impl<'a> Draft<'a> {
         let distance = self.center_distance()?;
         let mut gears = [self.gear(0, &basic)?, self.gear(1, &basic)?];
         self.shifts(&basic, distance, &mut gears)?;
+        let backlash = self.backlash()?;
         for (i, fields) in gears.iter_mut().enumerate() {
-            self.tooth_thickness(i, &basic, fields)?;
+            self.tooth_thickness(i, &basic, backlash.is_some(), fields)?;
             self.root(i, &basic, fields)?;
             self.tip(i, &basic, fields)?;
             self.modifications(i, fields)?;
@@ -212,6 +223,9 @@ impl<'a> Draft<'a> {
         if let Some(mm) = distance {
             file["center_distance_mm"] = json!(mm);
         }
+        if let Some((field, value)) = backlash {
+            file[field] = value;
+        }
         let (file, pair) = self.consistent(file)?;
         let mm = 1e3 * pair.geometry.center_distance;
         if distance.is_none() {
@@ -223,7 +237,7 @@ impl<'a> Draft<'a> {
         for note in &pair.warnings {
             self.account.add(Head::Note, note.clone());
         }
-        self.list_what_is_left(parts);
+        self.list_what_is_left(parts, &file);
         let lines = self.account.lines();
         let comments: String = lines.iter().map(|line| format!("// {line}")).collect();
         Ok(Imported {
@@ -256,35 +270,36 @@ impl<'a> Draft<'a> {
             Err(other) => return Err(other.into()),
         };
         let mut fitting = file.clone();
-        let groups = ["gear1", "gear2"]
+        let of_gears = ["gear1", "gear2"]
             .into_iter()
             .flat_map(|gear| OPTIONAL.map(|fields| (gear, fields)));
-        for (gear, fields) in groups.clone() {
-            if let Some(gear) = fitting[gear].as_object_mut() {
-                gear.retain(|name, _| !fields.contains(&&**name));
+        let groups = of_gears.chain(OPTIONAL_OF_PAIR.map(|fields| (PAIR, fields)));
+        for (part, fields) in groups.clone() {
+            if let Some(part) = part_of(&mut fitting, part).as_object_mut() {
+                part.retain(|name, _| !fields.contains(&&**name));
             }
         }
         // Without them it may be refused for another reason.
         let Ok(mut pair) = pair::from_json(&fitting.to_string()) else {
             return Err(PairError::from(refusals).into());
         };
-        for (gear, fields) in groups {
+        let mut given = file.clone();
+        for (part, fields) in groups {
+            let given = part_of(&mut given, part);
             let mut more = fitting.clone();
-            for field in fields
-                .iter()
-                .filter(|field| file[gear].get(field).is_some())
-            {
-                more[gear][field] = file[gear][field].clone();
+            for field in fields.iter().filter(|field| given.get(field).is_some()) {
+                part_of(&mut more, part)[field] = given[field].clone();
             }
             match pair::from_json(&more.to_string()) {
                 Ok(made) => (fitting, pair) = (more, made),
                 Err(error) => {
-                    let (name, value) = (fields[0], &file[gear][fields[0]]);
+                    let (name, value) = (fields[0], &given[fields[0]]);
                     let why = match error {
                         PairError::Refused(refusals) => refusals.all()[0].problem.clone(),
                         other => other.to_string(),
                     };
-                    let line = format!("{gear}.{name} = {value} is left out: {why}");
+                    let dot = if part == PAIR { "" } else { "." };
+                    let line = format!("{part}{dot}{name} = {value} is left out: {why}");
                     self.account.add(Head::Warning, line);
                 }
             }
@@ -292,8 +307,21 @@ impl<'a> Draft<'a> {
         Ok((fitting, pair))
     }
 
-    /// Lists attributes of the stage and its gears that the pair file has no use for, those of geometry as warnings.
-    fn list_what_is_left(&mut self, mut parts: Vec<&'a Component>) {
+    /// Lists attributes of the stage and its gears that the pair `file` has no use for, those of geometry as warnings.
+    fn list_what_is_left(&mut self, mut parts: Vec<&'a Component>, file: &Value) {
+        let has = |part: &Value, fields: &[&str]| fields.iter().any(|f| part.get(f).is_some());
+        let has_backlash = has(file, &OPTIONAL_OF_PAIR.concat());
+        let is_thick = ["gear1", "gear2"].map(|gear| has(&file[gear], &THICKNESS));
+        let is_of = self.teeth.clone();
+        // Whether the attribute `id` of `c` changes the geometry: thickness and backlash where the file leaves them open.
+        let is_geometry = |c: &Component, id: &str| {
+            if id.contains("tooth_thickness") || id.contains("backlash") {
+                let of = (0..2).find(|&i| is_of[i].iter().any(|part| part.id == c.id));
+                return !has_backlash && !of.map_or(is_thick == [true; 2], |i| is_thick[i]);
+            }
+            // `helix_angle` is no name of REXS, but is written for `helix_angle_reference_diameter`.
+            GEOMETRY.iter().any(|word| id.contains(word)) || id == "helix_angle"
+        };
         for i in 0..2 {
             parts.extend(self.beside(i, &[TOOLS[0], TOOLS[1], TOOLS[2], SETTINGS, "material"]));
         }
@@ -303,10 +331,7 @@ impl<'a> Draft<'a> {
                 let value = format!("{} = {}", a.id, a.shown());
                 // Nothing to take off; a shift of zero is a shift.
                 let is_zero = !a.id.contains("shift") && a.shown().trim().parse() == Ok(0.0);
-                // `helix_angle` is no name of REXS, but is written for `helix_angle_reference_diameter`.
-                let is_geometry =
-                    GEOMETRY.iter().any(|word| a.id.contains(word)) || a.id == "helix_angle";
-                if is_geometry && !is_zero && !a.is_empty() {
+                if is_geometry(c, &a.id) && !is_zero && !a.is_empty() {
                     let line = format!(
                         "{} {}: {value} is left out and changes the geometry",
                         c.kind, c.id
@@ -323,6 +348,17 @@ impl<'a> Draft<'a> {
                 );
             }
         }
+    }
+}
+
+/// The pair itself as a part of its file.
+const PAIR: &str = "";
+
+/// The object of a gear in the pair file `file`, or that of the pair.
+fn part_of<'v>(file: &'v mut Value, part: &str) -> &'v mut Value {
+    match part {
+        PAIR => file,
+        gear => &mut file[gear],
     }
 }
 

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::account::Head;
 use super::draft::Draft;
-use super::given::{Given, agreed, first};
+use super::given::{Given, agreed, first, um};
 use super::model::Result;
 use crate::gear::protuberance_form_radius;
 use crate::pair;
@@ -38,6 +38,11 @@ impl Basic {
         self.teeth[i] * self.module / self.helix.cos()
     }
 
+    /// s_n of teeth with the profile shift `x`, mm.
+    fn thickness(&self, x: f64) -> f64 {
+        rounded(self.module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * self.alpha.tan()))
+    }
+
     /// Sum of the profile shifts without backlash at the centre distance `a`, mm.
     pub(super) fn shift_sum(&self, a: f64) -> f64 {
         let alpha = self.transverse_pressure_angle();
@@ -48,7 +53,71 @@ impl Basic {
     }
 }
 
+/// Difference of the thicknesses that a file and its profile shift give, up to which it is rounding, mm.
+const ROUNDING_OF_THICKNESS: f64 = 1e-3;
+
+/// The thickness of teeth that a file gives.
+enum Thickness {
+    /// That of the profile shift, which leaves the backlash open.
+    OfShift,
+    /// Limits of s_n, mm.
+    Limits([f64; 2]),
+}
+
+impl Thickness {
+    /// Whether `limits` say nothing else.
+    fn fits(&self, limits: [f64; 2]) -> bool {
+        match self {
+            Thickness::OfShift => true,
+            Thickness::Limits([low, high]) => {
+                limits[0] - ROUNDING_OF_THICKNESS <= *high
+                    && *low <= limits[1] + ROUNDING_OF_THICKNESS
+            }
+        }
+    }
+}
+
+/// [lower, upper] of a pair file, one number where both are the same.
+fn interval(limits: [f64; 2]) -> Value {
+    match limits.map(rounded) {
+        [low, high] if low == high => json!(low),
+        limits => json!(limits),
+    }
+}
+
 impl Draft<'_> {
+    /// The backlash of the stage as field of a pair file and value, um; none where it has none.
+    pub(super) fn backlash(&mut self) -> Result<Option<(&'static str, Value)>> {
+        for (section, field) in [
+            ("normal", "normal_backlash_um"),
+            ("transverse", "backlash_um"),
+        ] {
+            let [least, most] = ["minimum", "maximum"]
+                .map(|end| first(&[self.stage], &[&format!("{end}_{section}_backlash")]));
+            let (least, most) = (least?, most?);
+            let Some(one) = least.clone().or(most.clone()) else {
+                continue;
+            };
+            let ends = [least.unwrap_or(one.clone()), most.unwrap_or(one)];
+            let limits = ends.each_ref().map(|end| um(end.value));
+            let value = match section {
+                "normal" => interval(limits),
+                // The field takes one number.
+                _ => json!(rounded(0.5 * (limits[0] + limits[1]))),
+            };
+            let [from, to] = ends.map(|end| end.origin);
+            let from = if from == to {
+                from
+            } else {
+                format!("{from} and {to}")
+            };
+            self.account
+                .add(Head::Derived, format!("{field} = {value} from {from}"));
+            return Ok(Some((field, value)));
+        }
+        Ok(None)
+    }
+
     /// Profile shifts that are not given, from the centre distance.
     pub(super) fn shifts(
         &mut self,
@@ -106,71 +175,165 @@ impl Draft<'_> {
         Ok(())
     }
 
-    /// Measures of the tooth thickness, or that of the generating profile shift x_E with its limits.
+    /// Measures of the tooth thickness, else that of the generating profile shift x_E with its limits, else s_n as it stands.
     pub(super) fn tooth_thickness(
         &mut self,
         i: usize,
         basic: &Basic,
+        has_backlash: bool,
         fields: &mut Fields,
     ) -> Result<()> {
         let name = ["gear1", "gear2"][i];
-        let mut is_measured = false;
-        for (measure, size, value_of, size_of) in [
+        if self.gauged(i, fields)? {
+            return Ok(());
+        }
+        let field = "normal_tooth_thickness_mm";
+        let given = self.thickness_given(i, basic, fields)?;
+        let x_e = self.generated_shift(i)?;
+        let (value, origin) = match (x_e, given) {
+            (Some([_, low, high]), given) => {
+                let limits = [low, high].map(|x| basic.thickness(x));
+                if let Some((_, other)) = given.filter(|(other, _)| !other.fits(limits)) {
+                    let line = format!(
+                        "{name}.{field}: {other}, but {GENERATED_SHIFT} says {} to {}: the latter counts",
+                        limits[0], limits[1]
+                    );
+                    self.account.add(Head::Warning, line);
+                }
+                let origin = format!("{GENERATED_SHIFT}, x_E {low} to {high}");
+                (interval(limits), origin)
+            }
+            (None, Some((Thickness::Limits(limits), origin))) => (interval(limits), origin),
+            (None, given) => {
+                let line = match (given, has_backlash) {
+                    (Some((_, origin)), _) => {
+                        format!("{name}: teeth of the thickness of the profile shift, as {origin}")
+                    }
+                    (None, true) => {
+                        format!("{name}: teeth of the thickness that the backlash leaves")
+                    }
+                    (None, false) => format!(
+                        "{name}: teeth of the thickness that profile shift and centre distance leave"
+                    ),
+                };
+                self.account.add(Head::Assumed, line);
+                return Ok(());
+            }
+        };
+        let line = format!("{name}.{field} = {value} from {origin}");
+        self.account.add(Head::Derived, line);
+        fields.insert(field.into(), value);
+        Ok(())
+    }
+
+    /// Whether the file has a span or a size over balls of gear `i` with its gauge, which go to `fields` with their allowances.
+    fn gauged(&mut self, i: usize, fields: &mut Fields) -> Result<bool> {
+        let name = ["gear1", "gear2"][i];
+        for (measure, size, value_of, size_of, allowance) in [
             (
                 "span_measurement_mm",
                 "span_teeth",
                 "span_measurement",
                 "number_of_teeth_for_span_measurement",
+                "referenced_to_span",
             ),
             (
                 "dimension_over_balls_mm",
                 "ball_diameter_mm",
                 "size_over_balls",
                 "diameter_of_measuring_ball_or_pin",
+                "balls_or_pins",
             ),
         ] {
-            let parts = &self.teeth[i];
-            let [value, gauge] = [value_of, size_of].map(|attribute| first(parts, &[attribute]));
-            if let (false, Some(value), Some(gauge)) = (is_measured, value?, gauge?) {
-                let number = match size {
-                    "span_teeth" => json!(gauge.value.abs() as u64),
-                    _ => json!(gauge.value),
-                };
-                fields.insert(measure.into(), json!(value.value.abs()));
-                fields.insert(size.into(), number);
-                self.taken(&format!("{name}.{measure}"), &value);
-                self.taken(&format!("{name}.{size}"), &gauge);
-                is_measured = true;
+            let parts = self.teeth[i].clone();
+            let [value, gauge] = [value_of, size_of].map(|attribute| first(&parts, &[attribute]));
+            let (Some(value), Some(gauge)) = (value?, gauge?) else {
+                continue;
+            };
+            let number = match size {
+                "span_teeth" => json!(gauge.value.abs() as u64),
+                _ => json!(gauge.value),
+            };
+            fields.insert(size.into(), number);
+            self.taken(&format!("{name}.{size}"), &gauge);
+            let ends =
+                ["lower", "upper"].map(|end| format!("{end}_backlash_allowance_{allowance}"));
+            let nominal = value.value.abs();
+            match self.deviations(i, &ends)? {
+                Some(deviations) => {
+                    let limits = interval(deviations.map(|deviation| nominal + deviation));
+                    let line = format!(
+                        "{name}.{measure} = {limits} from {} = {nominal} and {}",
+                        value.origin,
+                        ends.join(", ")
+                    );
+                    self.account.add(Head::Derived, line);
+                    fields.insert(measure.into(), limits);
+                }
+                None => {
+                    self.taken(&format!("{name}.{measure}"), &value);
+                    fields.insert(measure.into(), json!(nominal));
+                }
             }
+            return Ok(true);
         }
-        let Some(limits) = self.generated_shift(i)? else {
-            if !is_measured {
-                let line = format!(
-                    "{name}: teeth of the thickness that profile shift and centre distance leave"
-                );
-                self.account.add(Head::Assumed, line);
-            }
-            return Ok(());
-        };
-        if is_measured {
-            return Ok(());
+        Ok(false)
+    }
+
+    /// Deviations of gear `i` under the two names, mm, the lower one first; none where one of them is not given.
+    fn deviations(&self, i: usize, names: &[String; 2]) -> Result<Option<[f64; 2]>> {
+        let [low, high] = names.each_ref().map(|name| first(&self.teeth[i], &[name]));
+        Ok(match (low?, high?) {
+            (Some(low), Some(high)) if low.value <= high.value => Some([low.value, high.value]),
+            _ => None,
+        })
+    }
+
+    /// s_n of gear `i` with its deviations as the file gives them, in the normal section or the transverse one, and where from.
+    fn thickness_given(
+        &self,
+        i: usize,
+        basic: &Basic,
+        fields: &Fields,
+    ) -> Result<Option<(Thickness, String)>> {
+        let nominal = basic.thickness(number(fields, "profile_shift_iso_21771").unwrap_or(0.0));
+        let cos = basic.helix.cos();
+        for (section, ends, scale) in [
+            ("normal", "chordal", 1.0),
+            ("transverse", "chordal_transverse", cos),
+        ] {
+            let name = format!("{section}_tooth_thickness_at_reference_diameter");
+            let given = first(&self.teeth[i], &[&name])?;
+            let names =
+                ["lower", "upper"].map(|end| format!("{ends}_tooth_thickness_{end}_deviation"));
+            let deviations = self.deviations(i, &names)?;
+            let s_n = given
+                .as_ref()
+                .map_or(nominal, |given| rounded(scale * given.value));
+            let is_nominal = (s_n - nominal).abs() <= ROUNDING_OF_THICKNESS;
+            let origin = given.map(|given| format!("{} = {}", given.origin, given.value));
+            return Ok(Some(match (deviations, origin) {
+                (Some(deviations), origin) => {
+                    let limits = |base: f64| deviations.map(|d| rounded(base + scale * d));
+                    // Programs write the thickness without its deviations, or one that has them.
+                    let [low, high] = limits(nominal);
+                    let base = if (low..=high).contains(&s_n) {
+                        nominal
+                    } else {
+                        s_n
+                    };
+                    let origin = origin.unwrap_or_else(|| format!("the profile shift, {nominal}"));
+                    (
+                        Thickness::Limits(limits(base)),
+                        format!("{origin} and {}", names.join(", ")),
+                    )
+                }
+                (None, Some(origin)) if is_nominal => (Thickness::OfShift, origin),
+                (None, Some(origin)) => (Thickness::Limits([s_n; 2]), origin),
+                (None, None) => continue,
+            }));
         }
-        let [low, high] = [limits[1], limits[2]].map(|x| {
-            rounded(basic.module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * basic.alpha.tan()))
-        });
-        let value = if low == high {
-            json!(low)
-        } else {
-            json!([low, high])
-        };
-        let field = "normal_tooth_thickness_mm";
-        let line = format!(
-            "{name}.{field} = {value} from {GENERATED_SHIFT}, x_E {} to {}",
-            limits[1], limits[2]
-        );
-        self.account.add(Head::Derived, line);
-        fields.insert(field.into(), value);
-        Ok(())
+        Ok(None)
     }
 
     /// The generating profile shift of gear `i`: as it stands, its lower and its upper limit. Programs write the limits

@@ -564,3 +564,154 @@ fn a_unit_of_another_quantity_is_refused_with_those_that_are_right() {
         );
     }
 }
+
+/// Thinner by 60 and 40 um than the profile shifts 0.3 and 0.16283 give: backlash at the pitch circle is 0.1 mm but for the centre distance.
+#[test]
+fn the_thickness_on_the_reference_circle_and_its_deviations_are_the_thickness_of_the_pair() {
+    let tan = f64::to_radians(20.0).tan();
+    let nominal =
+        [0.3, 0.1628301985916763].map(|x| 4.5 * (0.5 * std::f64::consts::PI + 2.0 * x * tan));
+    let file = |first: Attributes, second: Attributes| {
+        let gears = [first, second];
+        File {
+            gears,
+            ..File::default()
+        }
+        .import()
+    };
+    let name = "normal_tooth_thickness_at_reference_diameter";
+    let (pair, account) = file(
+        &[(name, json!(nominal[0] - 0.06))],
+        &[
+            (name, json!(nominal[1])),
+            ("chordal_tooth_thickness_lower_deviation", json!(-0.05)),
+            ("chordal_tooth_thickness_upper_deviation", json!(-0.03)),
+        ],
+    );
+    let thinning = pair.geometry.gears.each_ref().map(|gear| {
+        gear.tooth_thinning * gear.helix_angle.cos() / gear.transverse_pressure_angle().cos()
+    });
+    assert_abs_diff_eq!(thinning[0], 60e-6, epsilon = 1e-8);
+    assert_abs_diff_eq!(thinning[1], 40e-6, epsilon = 1e-8);
+    says(&account, "gear1.normal_tooth_thickness_mm = ");
+    says(
+        &account,
+        "and chordal_tooth_thickness_lower_deviation, chordal_tooth_thickness_upper_deviation",
+    );
+    // In the transverse section.
+    let transverse = "transverse_tooth_thickness_at_reference_diameter";
+    let value = (nominal[0] - 0.06) / f64::to_radians(21.0).cos();
+    let (same, _) = file(&[(transverse, json!(value))], NONE);
+    assert_abs_diff_eq!(
+        same.geometry.gears[0].tooth_thinning,
+        pair.geometry.gears[0].tooth_thinning,
+        epsilon = 1e-9
+    );
+}
+
+#[test]
+fn backlash_of_the_stage_is_that_of_the_pair_also_beside_the_thickness_of_the_profile_shift() {
+    let limits: Attributes = &[
+        ("minimum_normal_backlash", json!(0.1)),
+        ("maximum_normal_backlash", json!(0.2)),
+        ("maximum_normal_backlash_variation", json!(0.03)),
+    ];
+    let tan = f64::to_radians(20.0).tan();
+    let thickness = 4.5 * (0.5 * std::f64::consts::PI + 0.6 * tan);
+    let of_shift = [(
+        "normal_tooth_thickness_at_reference_diameter",
+        json!(thickness),
+    )];
+    for gear in [NONE, &of_shift] {
+        let (pair, account) = File {
+            stage: limits,
+            gears: [gear, NONE],
+            ..File::default()
+        }
+        .import();
+        let g = &pair.geometry;
+        let normal = g.backlash(g.center_distance) * g.base_helix_angle().cos();
+        assert_abs_diff_eq!(normal, 150e-6, epsilon = 1e-9);
+        says(
+            &account,
+            "normal_backlash_um = [100.0,200.0] from minimum_normal_backlash",
+        );
+        says(
+            &account,
+            "left: cylindrical_stage 1: maximum_normal_backlash_variation",
+        );
+        assert!(!account.contains("warning"), "{account}");
+    }
+    // At the operating pitch circle.
+    let transverse: Attributes = &[
+        ("minimum_transverse_backlash", json!(0.1)),
+        ("maximum_transverse_backlash", json!(0.2)),
+    ];
+    let (pair, _) = File {
+        stage: transverse,
+        ..File::default()
+    }
+    .import();
+    let g = &pair.geometry;
+    let cos = g.operating_pressure_angle(g.center_distance).cos();
+    assert_abs_diff_eq!(g.backlash(g.center_distance) / cos, 150e-6, epsilon = 1e-9);
+}
+
+#[test]
+fn backlash_that_both_thicknesses_contradict_is_left_out_with_a_warning() {
+    let thinner: Attributes = &[
+        ("chordal_tooth_thickness_lower_deviation", json!(-0.06)),
+        ("chordal_tooth_thickness_upper_deviation", json!(-0.06)),
+    ];
+    let (pair, account) = File {
+        stage: &[("minimum_normal_backlash", json!(0.8))],
+        gears: [thinner; 2],
+        ..File::default()
+    }
+    .import();
+    let g = &pair.geometry;
+    assert!(g.backlash(g.center_distance) < 0.2e-3);
+    says(
+        &account,
+        "warning: normal_backlash_um = 800.0 is left out: ",
+    );
+}
+
+#[test]
+fn allowances_of_a_span_are_its_limits_and_thickness_that_cannot_be_taken_is_a_warning() {
+    let span: Attributes = &[
+        ("span_measurement", json!(62.2)),
+        ("number_of_teeth_for_span_measurement", json!(4)),
+        ("lower_backlash_allowance_referenced_to_span", json!(-0.12)),
+        ("upper_backlash_allowance_referenced_to_span", json!(-0.08)),
+    ];
+    let chord: Attributes = &[("normal_chordal_tooth_thickness", json!(7.5))];
+    let file = File {
+        gears: [NONE, chord],
+        ..File::default()
+    };
+    let (_, account) = file.import();
+    says(
+        &account,
+        "warning: cylindrical_gear 3: normal_chordal_tooth_thickness = 7.5 is left out",
+    );
+    let nominal = 1e3 * {
+        let (pair, _) = File::default().import();
+        crate::pair::drawing::Measure::Span(4)
+            .of(&pair.geometry.gears[0])
+            .unwrap()
+    };
+    let mut given = span.to_vec();
+    given[0].1 = json!(nominal);
+    let (_, account) = File {
+        gears: [&given, NONE],
+        ..File::default()
+    }
+    .import();
+    says(&account, "gear1.span_measurement_mm = [");
+    says(
+        &account,
+        "and lower_backlash_allowance_referenced_to_span, upper_backlash_allowance_referenced_to_span",
+    );
+    assert!(!account.contains("warning"), "{account}");
+}

@@ -43,7 +43,8 @@ impl Tables {
 /// Make tables of the samples of another contact program.
 ///
 /// CSV with a header and the columns torque_nm, mesh_position, center_distance_offset_um,
-/// misalignment_mrad, ste_loa_um, contact_z_mm; one row for every point of a full grid.
+/// misalignment_mrad, ste_loa_um, contact_z_mm; one row for every point of a full grid. At least four torques above 0; of mesh
+/// positions, centre distances and misalignments at least four each, or one, which leaves that axis out.
 #[derive(Debug, Args)]
 pub struct Import {
     /// Samples of the drive flank

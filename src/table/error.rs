@@ -30,13 +30,16 @@ pub enum TableError {
     },
     /// Axes so coarse that the interpolant of the top-load minus the no-load approach may not be positive.
     #[error(
-        "top_load_approach_m: the spline through top-load minus no-load approach may fall to {least_m:.2e} m \
-         between the nodes; space misalignments closer about 0, or the axes closer with `gearmesh tables --max-error 0.002`, or \
-         narrow operating.misalignment_mrad or raise operating.maximum_torque_nm in the pair file"
+        "top_load_approach_m: the spline through top-load minus no-load approach may fall to {least_m:.2e} m between the nodes; {}",
+        closer([*.has_center_distance, *.has_misalignment])
     )]
     TooCoarse {
         /// Least coefficient of that spline, m.
         least_m: f64,
+        /// Whether the table has an axis of the centre distance.
+        has_center_distance: bool,
+        /// Whether it has one of the misalignment.
+        has_misalignment: bool,
     },
     /// A setting of the FMU needs what the table lacks.
     #[error("{0}")]
@@ -90,6 +93,31 @@ impl TableError {
     );
 }
 
+/// What helps a table whose nodes lie too far apart, with these of the axes of centre distance and misalignment.
+fn closer(has: [bool; 2]) -> String {
+    let axes = [
+        ("centre distances", "center_distance_offset_um"),
+        ("misalignments about 0", "misalignment_mrad"),
+    ];
+    let axes: Vec<_> = axes
+        .iter()
+        .zip(has)
+        .filter_map(|(axis, has)| has.then_some(axis))
+        .collect();
+    let spaced: String = axes
+        .iter()
+        .map(|(nodes, _)| format!("{nodes} or "))
+        .collect();
+    let narrowed: String = axes
+        .iter()
+        .map(|(_, field)| format!("narrow operating.{field} or "))
+        .collect();
+    format!(
+        "space {spaced}mesh positions closer, with `gearmesh tables --max-error 0.002`, or {narrowed}raise \
+         operating.maximum_torque_nm in the pair file"
+    )
+}
+
 /// A [`TableError::Field`]: what is wrong with `value` of `field` and what to do.
 pub(crate) fn refused<T>(
     field: impl Into<String>,
@@ -101,4 +129,29 @@ pub(crate) fn refused<T>(
         value: crate::words::shown(&value.to_string()),
         reason: reason.into(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_too_coarse_are_those_that_the_table_has() {
+        let said = |has_misalignment| {
+            let error = TableError::TooCoarse {
+                least_m: -1e-8,
+                has_center_distance: true,
+                has_misalignment,
+            };
+            error.to_string()
+        };
+        let one = said(false);
+        assert!(
+            one.contains("narrow operating.center_distance_offset_um or raise"),
+            "{one}"
+        );
+        assert!(!one.contains("misalignment"), "{one}");
+        let words = "space centre distances or misalignments about 0 or mesh positions closer";
+        assert!(said(true).contains(words), "{}", said(true));
+    }
 }

@@ -89,6 +89,9 @@ impl Report {
         let pair = self.shafts.applied_to(drawn.clone());
         let loads = self.loads(&pair);
         let summary = pair_summary(&drawn, gauges);
+        let tables = self.tables.as_ref();
+        let tables = tables.map(|path| self.tables_section(path, &drawn));
+        let tables = tables.transpose()?;
         let (description, sections) = self.pair_sections(pair.clone(), &loads, &job)?;
         let note = format!("Elastic model: {description}.");
         let mut page = Page {
@@ -98,9 +101,7 @@ impl Report {
         };
         page.sections
             .push(Section::new("Pair", note, vec![]).with_text(summary));
-        if let Some(path) = &self.tables {
-            page.sections.push(self.tables_section(path, &drawn)?);
-        }
+        page.sections.extend(tables);
         if let Some(folder) = &self.study {
             page.sections.push(bands_of(folder, &pair.name)?);
         }
@@ -183,6 +184,11 @@ impl Report {
         if file.geometry != pair.geometry {
             refuse!(
                 "--tables = {path}: made for another gear geometry than {own}; name this pair's tables"
+            );
+        }
+        if let Some(difference) = table::other_flanks(&file, pair) {
+            refuse!(
+                "--tables = {path}: made for other flanks than {own}: {difference}; name this pair's tables"
             );
         }
         Ok(

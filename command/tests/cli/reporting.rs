@@ -80,6 +80,9 @@ fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
         assert!(table.0.contains("tables of palermo2013"), "{}", table.0);
         assert!((own.1 / table.1 - 1.0).abs() < 0.1, "{} {}", own.1, table.1);
     }
+    let other = concat!(pairs!(), "palermo2013-unmodified.json");
+    refused!("report {other} --tables {tables} -o {page} {QUICK}";
+        "made for other flanks than", "gear 1 has `", "and `modifications none` here");
 }
 
 #[test]

@@ -149,3 +149,16 @@ fn a_tilt_far_beyond_the_deflection_of_the_teeth_has_tables() {
     let rms = number(&made["interpolation_error"]["force_rms"]);
     assert!(rms < 5e-3, "{rms}");
 }
+
+#[test]
+fn tables_have_more_centre_distances_where_little_deflection_asks_for_closer_ones() {
+    let folder = Folder::new();
+    let [pair, tables] = folder.paths(["pair.json", "tables.json"]);
+    let small = "--module-mm 0.2 --face-width-mm 2 2 --torque-nm 0.005";
+    for (teeth, count) in [("17 17", 9), ("30 30", 5)] {
+        succeed!("new --teeth {teeth} {small} --name small -o {pair}");
+        let shown = succeed!("tables {pair} --no-misalignment -o {tables} {QUICK}");
+        contains!(shown, &format!("x {count} centre distances x"));
+        std::fs::remove_file(&pair).unwrap();
+    }
+}

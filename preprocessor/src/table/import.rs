@@ -137,8 +137,19 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     }
     if loads < 4 {
         return refused(format!(
-            "torque_nm has {loads} values above 0; a cubic spline needs at least 4"
+            "torque_nm has {loads} values above 0; a cubic spline needs at least 4; add values"
         ));
+    }
+    for (name, values) in COLUMNS[1..]
+        .iter()
+        .zip([&positions, &offsets, &misalignments])
+    {
+        if let 2..4 = values.len() {
+            return refused(format!(
+                "{name} has {} values; a cubic spline needs at least 4; add values, or give a single one, which leaves the axis out",
+                values.len()
+            ));
+        }
     }
     check_on_face(&rows, geometry)?;
     rows.sort_by(|a, b| a.key().partial_cmp(&b.key()).unwrap_or(Ordering::Equal));

@@ -169,3 +169,27 @@ fn samples_that_no_simulation_can_use_are_refused_and_odd_ones_noted() {
         assert!(error.contains(text), "{error}");
     }
 }
+
+#[test]
+fn two_or_three_values_of_an_axis_are_refused_by_the_column() {
+    let good = csv(&TORQUES);
+    let (head, rows) = good.split_at(good.find("0.5,0,0,0").unwrap());
+    for (offsets, words) in [
+        (
+            &["-20", "0", "20"][..],
+            "center_distance_offset_um has 3 values; a cubic spline needs at least 4",
+        ),
+        (&["-20", "0"], "or give a single one"),
+    ] {
+        let all = offsets.iter().map(|um| {
+            let lines = rows.lines().map(|line| {
+                let cells: Vec<&str> = line.split(',').collect();
+                [&cells[..2], &[um], &cells[3..]].concat().join(",") + "\n"
+            });
+            lines.collect::<String>()
+        });
+        let text = head.to_owned() + &all.collect::<String>();
+        let refusal = import_csv(&text, &spur_pair()).unwrap_err().to_string();
+        assert!(refusal.contains(words), "{refusal}");
+    }
+}

@@ -15,7 +15,7 @@ pub use coverage::{
     misalignments,
 };
 pub use plan::table_within;
-pub use recipe::{Account, Made, Recipe, RecipeError};
+pub use recipe::{Account, Made, Recipe, RecipeError, other_flanks};
 pub use records::{RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding};
 pub use summary::{size_and_error, summary, teeth_in_words};
 pub use sweep::{

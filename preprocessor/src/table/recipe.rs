@@ -267,14 +267,7 @@ fn on_bent_teeth(models: &ElasticModels) -> Result<String, ContactError> {
 
 /// Settings of the static solver and how well it went, as a tables file keeps them.
 fn description(models: &ElasticModels, quality: &SolveQuality) -> BTreeMap<String, Value> {
-    let modified = [0, 1].map(|i| {
-        let rows = modifications(&models.pair, i);
-        let rows: Vec<String> = rows
-            .iter()
-            .map(|(name, value)| format!("{name} {value}"))
-            .collect();
-        rows.join("; ")
-    });
+    let [modified1, modified2] = modified(&models.pair);
     [
         ("elastic_model", json!(models.description())),
         ("tip_corner_contact", json!(models.pair.tip_corner_contact)),
@@ -287,11 +280,37 @@ fn description(models: &ElasticModels, quality: &SolveQuality) -> BTreeMap<Strin
         ("most_newton_steps", json!(quality.most_iterations)),
         ("newton_steps_allowed", json!(MAXIMUM_ITERATIONS)),
         ("largest_kkt_residual", json!(quality.kkt_residual)),
-        ("modifications_of_gear_1", json!(modified[0])),
-        ("modifications_of_gear_2", json!(modified[1])),
+        (MODIFICATIONS[0], json!(modified1)),
+        (MODIFICATIONS[1], json!(modified2)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into()
+}
+
+/// Names under which tables files have the modifications of both gears.
+const MODIFICATIONS: [&str; 2] = ["modifications_of_gear_1", "modifications_of_gear_2"];
+
+/// Modifications of both gears of `pair` in words.
+fn modified(pair: &Pair) -> [String; 2] {
+    [0, 1].map(|i| {
+        let rows = modifications(pair, i);
+        let rows: Vec<String> = rows
+            .iter()
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        rows.join("; ")
+    })
+}
+
+/// How the flanks that the tables `file` were made for differ from those of `pair`, in words; None: they do not, or the tables do not
+/// say, as those of samples.
+pub fn other_flanks(file: &TableFile, pair: &Pair) -> Option<String> {
+    let gears = MODIFICATIONS.into_iter().zip(modified(pair)).zip(1..);
+    let mut other = gears.filter_map(|((name, own), gear)| {
+        let made_for = file.solver.get(name)?.as_str()?;
+        (made_for != own).then(|| format!("gear {gear} has `{made_for}` there, and `{own}` here"))
+    });
+    other.next()
 }
 
 /// Flanks whose tables a pair needs: drive, and coast where it does not mirror drive.
@@ -316,6 +335,12 @@ fn add_roots(
     Ok(())
 }
 
+/// Numbers of centre distances where the spline through the default ones falls, one after the other.
+const MORE_CENTER_DISTANCES: [usize; 2] = [9, 17];
+
+/// Grids of the drive flank and of a coast flank of its own, and their error.
+type Grids = (FlankGrid, Option<FlankGrid>, InterpolationError);
+
 /// Sweeps of one pair.
 struct Sweeps<'a> {
     models: &'a ElasticModels,
@@ -328,36 +353,56 @@ struct Sweeps<'a> {
 impl Sweeps<'_> {
     /// Grids of the drive flank, within `max_error` if there is one, and of a coast flank that needs its own, on the same axes, and
     /// their error.
-    fn force(
+    fn force(&self, solver: &WatchedSolver, max_error: Option<f64>) -> Result<Grids, RecipeError> {
+        let Some(bound) = max_error else {
+            return Ok(self.default_grids(solver)?);
+        };
+        let (drive, error) = table_within(
+            solver,
+            &self.models.pair.geometry,
+            self.coverage,
+            &self.misalignments,
+            bound,
+            &self.stage("static contact"),
+        )?;
+        let grids = self.with_coast(solver, drive, error)?;
+        let reached = grids.2.force_rms;
+        match reached > bound {
+            true => Err(RecipeError::MaxError { bound, reached }),
+            false => Ok(grids),
+        }
+    }
+
+    /// The grids on default axes, with as few centre distances as the spline bears: where teeth deflect little beside their range, another
+    /// tooth pair bears at the next one.
+    fn default_grids(&self, solver: &WatchedSolver) -> Result<Grids, TableError> {
+        let has_range = self.coverage.center_distance_offset.is_some();
+        let mut more = MORE_CENTER_DISTANCES.into_iter().filter(|_| has_range);
+        let mut axes = Axes {
+            misalignment: self.misalignments.clone(),
+            ..default_axes(self.coverage)
+        };
+        loop {
+            let drive = self.grid(&axes, solver, Flank::Drive);
+            let made = drive.and_then(|(drive, error)| self.with_coast(solver, drive, error));
+            match (made, more.next()) {
+                (Err(TableError::TooCoarse { .. }), Some(n)) => {
+                    axes.center_distance_offset = self.coverage.offsets(n);
+                }
+                (made, _) => return made,
+            }
+        }
+    }
+
+    /// `drive` with the grid of the coast flank on the same axes, where the pair needs it, and the `error` of both.
+    fn with_coast(
         &self,
         solver: &WatchedSolver,
-        max_error: Option<f64>,
-    ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), RecipeError> {
-        let (drive, error) = match max_error {
-            None => {
-                let axes = Axes {
-                    misalignment: self.misalignments.clone(),
-                    ..default_axes(self.coverage)
-                };
-                self.grid(&axes, solver, Flank::Drive)?
-            }
-            Some(bound) => table_within(
-                solver,
-                &self.models.pair.geometry,
-                self.coverage,
-                &self.misalignments,
-                bound,
-                &self.stage("static contact"),
-            )?,
-        };
+        drive: FlankGrid,
+        error: InterpolationError,
+    ) -> Result<Grids, TableError> {
         let coast = self.on_own_coast(|flank| self.grid(&drive.axes, solver, flank))?;
         let error = coast.as_ref().map_or(error, |coast| error.with(coast.1));
-        if let Some(bound) = max_error.filter(|bound| error.force_rms > *bound) {
-            return Err(RecipeError::MaxError {
-                bound,
-                reached: error.force_rms,
-            });
-        }
         Ok((drive, coast.map(|(grid, _)| grid), error))
     }
 

@@ -344,7 +344,11 @@ fn span_levelling<const N: usize>(
 ) -> Result<[[f64; 2]; 2], TableError> {
     let least_m = span.values.iter().copied().fold(f64::INFINITY, f64::min);
     if least_m <= 0.0 {
-        return Err(TableError::TooCoarse { least_m });
+        return Err(TableError::TooCoarse {
+            least_m,
+            has_center_distance: bases[0].present(),
+            has_misalignment: bases[1].present(),
+        });
     }
     let mut rows = span.clone();
     let mut lengths = [[f64::INFINITY; 2]; 2];

@@ -1,5 +1,6 @@
 //! `gearmesh new`: a pair file to start from, with a comment on every field.
 
+use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use askama::Template;
@@ -7,9 +8,9 @@ use clap::Args;
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::import::rexs;
-use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::pair::{self, PairError, Refusals};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::{limits, output};
 
 /// Write a commented pair file to start from.
@@ -70,7 +71,7 @@ struct File<'a> {
     name: serde_json::Value,
     derived: &'a str,
     module: f64,
-    backlash_um: f64,
+    usual: &'a Usual,
     /// Between the z = 0 faces, which share their middle.
     offset: f64,
     torque: f64,
@@ -79,6 +80,35 @@ struct File<'a> {
     closer: f64,
     apart: f64,
 }
+
+/// What a file gets that follows from the pair without it.
+struct Usual {
+    backlash_um: f64,
+    /// Of the tools, over the module; that of the pair file's default.
+    tool_tip_radius: [f64; 2],
+    /// Over the module.
+    addendum: [f64; 2],
+}
+
+impl Usual {
+    fn is_shortened(&self, i: usize) -> bool {
+        self.addendum[i] < 1.0
+    }
+}
+
+/// Least addendum that teeth are shortened to, over the module.
+const LEAST_ADDENDUM: f64 = 0.5;
+
+/// Parts of the names of fields that options give.
+const OPTIONS: [&str; 7] = [
+    "teeth",
+    "module",
+    "face_width",
+    "torque",
+    "helix_angle",
+    "pressure_angle",
+    "name",
+];
 
 impl New {
     fn is_internal(&self) -> bool {
@@ -95,20 +125,76 @@ impl New {
             let taken = rexs::pair_file(file, self.stage, self.torque_nm)?;
             return self.write(&taken.text, &taken.account);
         }
-        if self.teeth[0] < 0 {
-            let [ring, other] = [self.teeth[0], self.teeth[1]];
-            refuse!(
-                "--teeth = {ring} {other}: a ring is gear 2; give its teeth second: {other} {ring}"
-            );
-        }
-        // What is filled in follows from the pair without it.
-        let bare = self.text(0.0, "")?;
-        let bare = bare.replace("\"backlash_um\"", "// \"backlash_um\"");
-        let bare = pair::from_json(&bare)?;
-        let text = self.text(usual_backlash_um(&bare), &derived(&bare))?;
-        let pair = pair::from_json(&text)?;
+        self.check_teeth()?;
+        let mut addendum = [1.0; 2];
+        let (text, pair) = loop {
+            match self.made(addendum) {
+                Ok(made) => break made,
+                // Few teeth come to a point below the usual tip circle, or reach into the mate's root.
+                Err(PairError::Refused(refusals)) if shorten(&mut addendum, &refusals) => {}
+                Err(error) => return Err(self.explained(error)),
+            }
+        };
         let notes = pair.warnings.iter().map(|note| format!("note: {note}\n"));
         self.write(&text, &notes.collect::<String>())
+    }
+
+    /// The file of teeth with this addendum (over the module), and its pair.
+    fn made(&self, addendum: [f64; 2]) -> Result<(String, Pair), PairError> {
+        let mut usual = Usual {
+            backlash_um: 0.0,
+            tool_tip_radius: [0.0; 2],
+            addendum,
+        };
+        let mut bare = self.text(&usual, "");
+        for field in ["\"backlash_um\"", "\"tool_tip_radius_coefficient\""] {
+            bare = bare.replace(field, &format!("// {field}"));
+        }
+        let bare = pair::from_json(&bare)?;
+        let gears = &bare.geometry.gears;
+        usual.backlash_um = usual_backlash_um(&bare);
+        usual.tool_tip_radius = gears
+            .each_ref()
+            .map(|gear| gear.tool_tip_radius_coefficient);
+        let text = self.text(&usual, &derived(&bare));
+        let pair = pair::from_json(&text)?;
+        Ok((text, pair))
+    }
+
+    /// Refuses a ring that is not gear 2.
+    fn check_teeth(&self) -> Result<()> {
+        let [first, second] = [self.teeth[0], self.teeth[1]];
+        let [one, two] = [first, second].map(i32::unsigned_abs);
+        if first < 0 {
+            let remedy = match one.cmp(&two) {
+                Ordering::Greater if second > 0 => {
+                    format!("give its teeth second: {second} {first}")
+                }
+                Ordering::Less if second < 0 => format!("give {one} {second} for gear 1 in a ring"),
+                Ordering::Less => format!(
+                    "give {one} -{two} for {one} teeth in a ring of {two}, or {one} {two} for external gears"
+                ),
+                _ => "give that of the smaller gear first, without a sign".into(),
+            };
+            refuse!("--teeth = {first} {second}: a ring is gear 2; {remedy}");
+        }
+        Ok(())
+    }
+
+    /// `error` of a file of this pair, with what can be done by options.
+    fn explained(&self, error: PairError) -> Error {
+        let is_option = |field: &str| OPTIONS.iter().any(|option| field.contains(option));
+        match &error {
+            PairError::Refused(refusals) if !refusals.all().iter().all(|r| is_option(&r.field)) => {
+                let (one, two) = (self.teeth[0], self.teeth[1]);
+                format!(
+                    "--teeth = {one} {two}: usual values make no pair of these: {error}; give other teeth, or change these fields, \
+                     which have no option, in a file of another pair"
+                )
+                .into()
+            }
+            _ => error.into(),
+        }
     }
 
     /// Writes the pair file `text`; `summary` is printed with a file, and notes go beside a pair file on standard output.
@@ -131,7 +217,7 @@ impl New {
     }
 
     /// The file; `derived` is a comment on what follows from it.
-    fn text(&self, backlash_um: f64, derived: &str) -> Result<String> {
+    fn text(&self, usual: &Usual, derived: &str) -> String {
         let stem = self.output.as_deref().and_then(|path| path.file_stem());
         let name = self.name.clone().unwrap_or_else(|| match stem {
             Some(stem) => stem.to_string_lossy().into_owned(),
@@ -144,7 +230,7 @@ impl New {
             name: name.into(),
             derived,
             module,
-            backlash_um,
+            usual,
             offset: rounded(0.5 * (self.face_width_mm[0] - self.face_width_mm[1])),
             torque,
             most: rounded(1.5 * torque),
@@ -152,17 +238,8 @@ impl New {
             closer: rounded((50.0 * module).min(20.0)),
             apart: rounded((125.0 * module).min(50.0)),
         };
-        Ok(file.render()? + "\n")
-    }
-
-    /// 0.38, or the largest twentieth that the tip of a rack with a dedendum of 1.25 modules has room for.
-    fn tool_tip_radius(&self) -> f64 {
-        let (sin, cos) = self.pressure_angle_deg.to_radians().sin_cos();
-        let room = (std::f64::consts::FRAC_PI_4 - 1.25 * sin / cos) * cos / (1.0 - sin);
-        match room >= 0.38 {
-            true => 0.38,
-            false => (20.0 * room).floor().max(0.0) / 20.0,
-        }
+        // Only a formatter that fails makes it fail, and that of text does not.
+        file.render().unwrap_or_default() + "\n"
     }
 
     /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with z_min = 2 / sin²
@@ -181,6 +258,20 @@ impl New {
     }
 }
 
+/// Whether some addendum became a twentieth less, as `refusals` name the tips of its gear.
+fn shorten(addendum: &mut [f64; 2], refusals: &Refusals) -> bool {
+    let mut is_shorter = false;
+    for (gear, addendum) in ["gear1", "gear2"].into_iter().zip(addendum) {
+        let names =
+            ["tip_diameter_mm", "addendum_coefficient"].map(|name| format!("{gear}.{name}"));
+        if *addendum > LEAST_ADDENDUM && refusals.all().iter().any(|r| names.contains(&r.field)) {
+            *addendum = rounded(*addendum - 0.05);
+            is_shorter = true;
+        }
+    }
+    is_shorter
+}
+
 /// Least backlash of ISO/TR 10064-2, Table 1, 2/3 (0.06 + 0.0005 a + 0.03 m_n) in mm normal to the flanks, as
 /// circumferential backlash in um, rounded up to ten.
 fn usual_backlash_um(pair: &Pair) -> f64 {
@@ -189,8 +280,8 @@ fn usual_backlash_um(pair: &Pair) -> f64 {
     let normal = 2.0 / 3.0 * (0.06 + 0.0005 * a + 0.03 * module);
     let cosines = g.operating_pressure_angle(g.center_distance).cos() * g.base_helix_angle().cos();
     let tens = (100.0 * normal / cosines).ceil();
-    // The pair file allows a quarter of a module.
-    10.0 * tens.min((25.0 * module).floor())
+    // The pair file allows half a module.
+    10.0 * tens.min((50.0 * module).floor())
 }
 
 fn derived(pair: &Pair) -> String {

@@ -54,6 +54,34 @@ fn negative_teeth_make_a_ring_in_the_signs_of_iso_21771_and_the_same_pair() {
         assert_eq!(succeed!("inspect {one}"), succeed!("inspect {two}"));
     }
     refused!("new --teeth -84 27 {rest}"; "--teeth = -84 27", "27 -84");
+    // No pinion of 40 teeth turns in a ring of 20.
+    refused!("new --teeth -20 40 {rest}"; "--teeth = -20 40", "20 -40", "20 40");
+    refused!("new --teeth -20 -40 {rest}"; "--teeth = -20 -40", "20 -40");
+}
+
+/// The file of the pair has the largest radius of the tool that fits.
+#[test]
+fn teeth_of_a_ring_with_little_room_at_their_roots_get_a_smaller_fillet() {
+    let rest = "--internal --module-mm 2 --face-width-mm 20 20 --torque-nm 10";
+    for teeth in ["17 30", "15 25", "17 24", "17 28", "20 25"] {
+        let file = succeed!("new {rest} --teeth {teeth}");
+        let radii = file.match_indices("\"tool_tip_radius_coefficient\": ");
+        let radii = radii.map(|(at, name)| file[at + name.len()..].split(',').next().unwrap());
+        let radii: Vec<f64> = radii.map(|radius| radius.parse().unwrap()).collect();
+        assert_eq!(radii[0], 0.38, "{file}");
+        assert!((0.0..0.38).contains(&radii[1]), "{file}");
+    }
+}
+
+#[test]
+fn few_teeth_are_shortened_to_keep_a_tip() {
+    let rest = "--module-mm 2 --face-width-mm 20 20 --torque-nm 5";
+    for teeth in 6..=8 {
+        let file = succeed!("new {rest} --teeth {teeth} 30");
+        contains!(file, "\"addendum_coefficient\": 0.");
+    }
+    assert!(!succeed!("new {rest} --teeth 9 30").contains("\"addendum_coefficient\""));
+    refused!("new {rest} --teeth 4 30"; "--teeth = 4 30", "contact ratio", "which have no option");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! value and remedy ([`Refusal`]); all that can be found come at once. What is legal but worth knowing comes as [`Pair::warnings`].
 
 mod bodies;
+mod body_matrix;
 mod checks;
 mod dimension;
 pub mod drawing;
@@ -172,6 +173,9 @@ fn resolve_pair(
     let (odd_backlash, (_, (mut notes, load_notes))) = both(meshing, both(profiles, loads))?;
     notes.extend([odd_backlash, note1, note2].into_iter().flatten());
     notes.extend(mesh::shorten_default_ring(file, &mut geometry)?);
+    // Tips of a ring that were inside of its base circle hid that the round does not fit.
+    let rounds = geometry.gears.iter_mut().enumerate();
+    notes.extend(rounds.filter_map(|(i, gear)| gears::shrink_default_round(file.gear(i), gear, i)));
     let [one, two] = &mut geometry.gears;
     let ((profile1, profile2), _) = both(
         both(gears::profile(file, one, 0), gears::profile(file, two, 1)),

@@ -16,7 +16,7 @@ import sysconfig
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import Field, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
 
@@ -389,7 +389,7 @@ def _solve(pair: Pair, torques: Sequence[float], misalignments: Sequence[float],
     with _file(pair) as file:
         found = json.loads(run("solve", file, "--json", "-q", *_options({**loads, **options})))
     cases = found.get("cases", [found])
-    return [MeshCycle(**{f.name: _value(f.name, case) for f in fields(MeshCycle) if f.name in case}) for case in cases]
+    return [MeshCycle(**{f.name: _value(f, case[f.name]) for f in fields(MeshCycle) if f.name in case}) for case in cases]
 
 
 def study(
@@ -459,10 +459,11 @@ def study(
     summary = json.loads(Path(output, "study.json").read_text(encoding="utf-8"))
     with open(Path(output, "samples.csv"), encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    varied = [v["field"] for v in summary["varied"]]
+    # Several fields may share a variation; correlations are by field.
+    varied = summary["fields"]
     statistics = []
     for row in summary["statistics"]:
-        correlations = {key: dict(zip(varied, row[key])) for key in ("correlation", "correlation_of_distance")}
+        correlations = {key: dict(zip(varied, row[key], strict=True)) for key in ("correlation", "correlation_of_distance")}
         statistics.append(Statistics(**{**row, **correlations}))
     columns = [name for name in rows[0] if name not in ("sample", "violates", "error")]
     numbers = {name: np.array([float(row[name] or "nan") for row in rows]) for name in columns}
@@ -528,8 +529,9 @@ def _interval(interval: Interval) -> str:
     return "..".join(map(str, interval[:2])) + (points and f"/{points}")
 
 
-def _value(name: str, case: Mapping[str, Any]) -> Any:
-    """A list of numbers as an array, NaN for null."""
-    value = case[name]
-    plain = not isinstance(value, list) or name in ("notes", "largest_root_stress", "iso_6336_3", "bearings")
+def _value(field: Field[Any], value: Any) -> Any:
+    """A list of numbers as an array; NaN for null where a number stands otherwise."""
+    if value is None and field.type == "float":
+        return float("nan")
+    plain = not isinstance(value, list) or field.name in ("notes", "largest_root_stress", "iso_6336_3", "bearings")
     return value if plain else np.array(value, dtype=float)

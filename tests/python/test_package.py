@@ -79,6 +79,8 @@ def test_study_of_a_grid_finds_its_best_point(tmp_path):
     found = gearmesh.study(PAIR, tmp_path / "grid", vary, **options, **QUICK)
     spans = found.samples["peak_to_peak_ste_loa_um"].reshape(-1, 2)
     assert len(spans) == 4 and found.samples["torque_nm"][:2].tolist() == [50.0, 100.0]
+    # Two fields share the values, each with its own correlation.
+    assert all(list(s.correlation) == next(iter(vary)).split(",") for s in found.statistics)
     measures = spans @ [0.25, 0.75]
     assert found.best["value"] == pytest.approx(measures[1:].min(), rel=1e-6)
     best = json.loads((tmp_path / "grid" / "best.json").read_text())

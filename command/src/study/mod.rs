@@ -186,6 +186,10 @@ impl Study {
                 .chain(varies_thickness.then_some(NOTE_ON_THICKNESS))
                 .collect(),
         };
+        // Samples of another study do not stand beside the new identity, wherever this one is stopped.
+        if done.is_empty() {
+            setup.write(&table, &[])?;
+        }
         Summary::new(&setup, &known, Vec::new(), samples).write(&summary)?;
 
         let job = self.model.start()?;
@@ -399,9 +403,8 @@ impl Work {
                     tried.len()
                 }
             };
-            let fields = setup.plan.values(point, 0, setup.seed);
-            let mut known = self.done.iter();
-            if known.any(|s| (s.point, s.number) == (point, 0) && s.fields != fields) {
+            let mut known = self.done.iter().filter(|s| s.point == point);
+            if known.any(|s| !setup.is_own(s)) {
                 let table = self.table.display();
                 refuse!(
                     "{table}: point {point} is not the one that the optimizer tries; begin anew with --restart"

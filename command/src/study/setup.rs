@@ -131,7 +131,8 @@ impl Setup {
                 "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
             );
         }
-        let factors = [points + 1, samples + 1, torques.len()].into_iter();
+        let factors = [points, samples].map(|count| count.saturating_add(1));
+        let factors = factors.into_iter().chain([torques.len()]);
         let count = factors.fold(1, usize::saturating_mul);
         if let Err(e) = limits::check(Some(count), &(1..=MOST_CYCLES)) {
             refuse!("points times samples times torques = {count}: {e}");
@@ -420,7 +421,20 @@ impl Setup {
             );
             return Err(unusable(path, &what).into());
         }
+        // Points of the optimizer are known when it tries them.
+        let is_known = |s: &&Sample| s.point == 0 || !self.plan.is_optimized();
+        if let Some(s) = samples.iter().filter(is_known).find(|s| !self.is_own(s)) {
+            let (point, sample) = (s.point, s.number);
+            let what = format!("sample {sample} of point {point} has values of another study");
+            return Err(unusable(path, &what).into());
+        }
         Ok(samples)
+    }
+
+    /// Whether the fields of `sample`, of a point that is known, have the values of this study.
+    pub fn is_own(&self, sample: &Sample) -> bool {
+        let Sample { point, number, .. } = *sample;
+        point <= self.plan.points() && sample.fields == self.plan.values(point, number, self.seed)
     }
 
     /// The points that have a measure and meet all requirements, best first.

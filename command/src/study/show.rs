@@ -45,6 +45,8 @@ pub struct Summary<'a> {
     pub seed: u64,
     pub distribution: &'static str,
     pub varied: Vec<&'a Variation>,
+    /// What is varied, one by one, in the order of the correlations.
+    pub fields: Vec<&'a str>,
     pub torques_nm: &'a [f64],
     pub samples: usize,
     pub refused: usize,
@@ -76,6 +78,12 @@ impl<'a> Summary<'a> {
             seed: setup.seed,
             distribution: "even",
             varied: setup.plan.all().collect(),
+            fields: setup
+                .plan
+                .fields
+                .iter()
+                .map(|(field, _)| &**field)
+                .collect(),
             torques_nm: &setup.torques,
             samples,
             refused: done.iter().filter(|s| s.outcome.is_err()).count(),

@@ -50,6 +50,10 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
             format!("{solved}{last}\n"),
             ["line 13: sample = 10", "more rows"],
         ),
+        (
+            solved.replace(&format!("\n{keys}"), &format!("\n{keys}1")),
+            ["sample 10 of point 0", "values of another study"],
+        ),
     ] {
         let file = folder.write("parts/samples.csv", damaged);
         let line = study("parts", "--samples 10");
@@ -79,6 +83,16 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
     assert_eq!(charts("whole"), 4);
 
     refused(study("whole", "--samples 10 --seed 2"), &["another study"]);
+    // Stopped before its first samples, it leaves none of the other study beside its own name.
+    let before = folder.read("whole/study.json");
+    let line = study("whole", "--samples 10 --seed 2 --restart").replace(QUICK, "--no-cache");
+    let mut child = command().args(line.split_whitespace()).spawn().unwrap();
+    while folder.read("whole/study.json") == before {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(table("whole").lines().count(), 1);
     succeed(study("whole", "--samples 10 --seed 2 --restart"));
     assert_ne!(table("whole"), table("parts"));
 

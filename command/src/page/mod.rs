@@ -3,10 +3,12 @@
 
 mod draw;
 
+use std::io::{self, Read};
 use std::path::Path;
 
 use askama::Template;
 use gearmesh::words::hex;
+use gearmesh_preprocessor::storage;
 use sha2::{Digest, Sha256};
 use time::OffsetDateTime;
 
@@ -60,10 +62,22 @@ fn slug(title: &str) -> String {
     words.join("-")
 }
 
+/// SHA-256 of the file at `path`.
+fn digest(path: &Path) -> io::Result<[u8; 32]> {
+    let mut file = storage::open(path)?;
+    let (mut hash, mut bytes) = (Sha256::new(), vec![0; 1 << 16]);
+    loop {
+        match file.read(&mut bytes)? {
+            0 => return Ok(hash.finalize().into()),
+            count => hash.update(&bytes[..count]),
+        }
+    }
+}
+
 /// The version of gearmesh, today's date (UTC), and the file that a page is about with its SHA-256.
 pub fn origin(file: &Path) -> Result<String> {
-    let bytes = std::fs::read(file).map_err(|error| output::unreadable(file, &error))?;
-    let hash = hex(&Sha256::digest(bytes)[..8]);
+    let digest = digest(file).map_err(|error| output::unreadable(file, &error))?;
+    let hash = hex(&digest[..8]);
     let date = OffsetDateTime::now_utc().date();
     let (version, file) = (env!("CARGO_PKG_VERSION"), file.display());
     Ok(format!(

@@ -123,12 +123,23 @@ fn lengths(pair: &PairGeometry) -> Vec<(&'static str, f64)> {
 }
 
 impl RunUpCommand {
+    /// Files of the signals in run-up and run-down, where they are wanted.
+    fn signal_files(&self) -> Option<[PathBuf; 2]> {
+        let folder = self.signals.as_ref()?;
+        Some(["up.npy", "down.npy"].map(|name| folder.join(name)))
+    }
+
     pub fn run(self) -> Result<()> {
-        output::check_writable(&self.output, [&self.fmu])?;
+        let read: Vec<&PathBuf> = [&self.fmu].into_iter().chain(&self.shafts).collect();
+        output::check_writable(&self.output, &read)?;
         for (option, folder) in [("--figures", &self.figures), ("--signals", &self.signals)] {
             if let Some(folder) = folder {
                 output::make_folder(option, folder)?;
             }
+        }
+        // What cannot be written shall not cost the time of the run.
+        for file in self.signal_files().into_iter().flatten() {
+            output::check_writable(&file, &read)?;
         }
         let origin = origin(&self.fmu)?;
         let found = package::inspect(&self.fmu)?;
@@ -180,10 +191,13 @@ impl RunUpCommand {
             })
             .map_err(|refusal| format!("{}: {}", self.fmu.display(), refusal.message))?;
         drop(job);
-        if let Some(folder) = &self.signals {
-            for (name, history) in [("up.npy", &run.up), ("down.npy", &run.down)] {
-                output::write_whole(&folder.join(name), &npy(history))?;
-            }
+        for (file, history) in self
+            .signal_files()
+            .iter()
+            .flatten()
+            .zip([&run.up, &run.down])
+        {
+            output::write_whole(file, &npy(history))?;
         }
         let summary = Summary::new(&sweep, &run);
         let page = Page {

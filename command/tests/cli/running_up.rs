@@ -63,4 +63,10 @@ fn what_cannot_be_swept_is_refused() {
     refused!("run-up {} -o {} --damping-ratio 0", fmu, page; "nothing decays");
     refused!("run-up {} -o {}", PAPER, page; "palermo2013.json");
     assert_eq!(folder.count(""), 1);
+    // What is read or in the way is known before the run.
+    let pair = super::solving::on_bearings(&folder);
+    refused!("run-up {fmu} -o {pair} --shafts {pair}"; "on-bearings.json, which is read");
+    let signals = folder.path("signals");
+    std::fs::create_dir_all(folder.path("signals/down.npy")).unwrap();
+    refused!("run-up {fmu} -o {page} --signals {signals} --torque-nm 0"; "cannot write", "down.npy");
 }

@@ -1,11 +1,11 @@
-//! Numbers of REXS files in mm, degrees and GPa, with where they stand.
+//! Numbers of REXS files in mm, degrees, GPa and N m, with where they stand.
 
 use gearmesh::words::rounded;
 use serde_json::Value;
 
 use super::model::{Attribute, Component, Result, refused};
 
-/// What the attribute `id` is measured in, as its name says, with the units of that and how many mm, degrees or GPa each is.
+/// What the attribute `id` is measured in, as its name says, with the units of that and how many mm, degrees, GPa or N m each is.
 fn quantity(id: &str) -> (&'static str, &'static [(&'static str, f64)]) {
     match id {
         _ if id.contains("angle") => (
@@ -16,6 +16,7 @@ fn quantity(id: &str) -> (&'static str, &'static [(&'static str, f64)]) {
                 ("rad", 180.0 / std::f64::consts::PI),
             ],
         ),
+        _ if id.contains("torque") => ("a torque", &[("Nm", 1.0), ("kNm", 1e3), ("Nmm", 1e-3)]),
         _ if id.contains("modulus") => (
             "a modulus",
             &[
@@ -44,7 +45,7 @@ fn quantity(id: &str) -> (&'static str, &'static [(&'static str, f64)]) {
     }
 }
 
-/// How many mm, degrees or GPa the unit of the attribute `a` is, 1 where it has none; else why it cannot be.
+/// How many mm, degrees, GPa or N m the unit of the attribute `a` is, 1 where it has none; else why it cannot be.
 fn scale(a: &Attribute) -> std::result::Result<f64, String> {
     let unit = a.unit.replace(' ', "");
     let (what, units) = quantity(&a.id);
@@ -70,7 +71,7 @@ pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * (1.0 + a.abs())
 }
 
-/// A number in mm, degrees, GPa or none, and where it stands.
+/// A number in mm, degrees, GPa, N m or none, and where it stands.
 #[derive(Clone)]
 pub(super) struct Given {
     pub value: f64,

@@ -5,6 +5,7 @@ mod account;
 mod draft;
 mod gear;
 mod given;
+mod loads;
 mod model;
 mod modifications;
 mod teeth;
@@ -18,6 +19,7 @@ use crate::gear::Pair;
 use crate::pair::{self, PairError};
 use account::{Account, Head};
 use draft::Draft;
+use loads::GEAR_DATA;
 pub use model::RexsError;
 use model::{Component, Model, Result, refused};
 use teeth::{Basic, SETTINGS, TOOLS};
@@ -188,13 +190,17 @@ impl<'a> Draft<'a> {
         let [b1, b2] = widths.map(|width| width.and_then(Value::as_f64).unwrap_or(0.0));
         // A hundred newtons for each mm of face and of module.
         let usual = rounded((0.05 * b1.min(b2) * module * module * basic.teeth[0]).ceil());
-        if torque.is_none() {
+        let given = match torque {
+            None => self.torque(&basic)?,
+            given => given,
+        };
+        if given.is_none() {
             let line = format!(
                 "operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm"
             );
             self.account.add(Head::Assumed, line);
         }
-        let nominal = torque.unwrap_or(usual);
+        let nominal = given.unwrap_or(usual);
         let offset = rounded(0.5 * (b1 - b2));
         self.account.add(
             Head::Assumed,
@@ -238,6 +244,7 @@ impl<'a> Draft<'a> {
             self.account.add(Head::Note, note.clone());
         }
         self.list_what_is_left(parts, &file);
+        self.list_load_cases();
         let lines = self.account.lines();
         let comments: String = lines.iter().map(|line| format!("// {line}")).collect();
         Ok(Imported {
@@ -315,6 +322,10 @@ impl<'a> Draft<'a> {
         let is_of = self.teeth.clone();
         // Whether the attribute `id` of `c` changes the geometry: thickness and backlash where the file leaves them open.
         let is_geometry = |c: &Component, id: &str| {
+            // Diameters and thickness of gears in mesh follow from those of the gears.
+            if c.kind.ends_with(GEAR_DATA) {
+                return false;
+            }
             if id.contains("tooth_thickness") || id.contains("backlash") {
                 let of = (0..2).find(|&i| is_of[i].iter().any(|part| part.id == c.id));
                 return !has_backlash && !of.map_or(is_thick == [true; 2], |i| is_thick[i]);
@@ -324,6 +335,7 @@ impl<'a> Draft<'a> {
         };
         for i in 0..2 {
             parts.extend(self.beside(i, &[TOOLS[0], TOOLS[1], TOOLS[2], SETTINGS, "material"]));
+            parts.extend(self.gear_data(i));
         }
         for c in parts {
             let mut left = Vec::new();

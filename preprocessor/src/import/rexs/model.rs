@@ -85,9 +85,38 @@ pub(super) struct Model {
     pub version: String,
     pub components: Vec<Component>,
     pub relations: Vec<Relation>,
+    /// Of all load spectra: components again, with their loads and results.
+    #[serde(rename = "load_spectrum", deserialize_with = "load_cases")]
+    pub load_cases: Vec<LoadCase>,
     /// Places of the components by id.
     #[serde(skip)]
     places: HashMap<String, usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct LoadCase {
+    #[serde(deserialize_with = "word")]
+    pub id: String,
+    pub components: Vec<Component>,
+}
+
+/// Those of one load spectrum or of several.
+fn load_cases<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LoadCase>, D::Error> {
+    #[derive(Default, Deserialize)]
+    #[serde(default)]
+    struct Spectrum {
+        load_cases: Vec<LoadCase>,
+    }
+    let spectra = match Value::deserialize(from)? {
+        Value::Array(spectra) => spectra,
+        Value::Null => Vec::new(),
+        one => vec![one],
+    };
+    let spectra: Result<Vec<Spectrum>, _> =
+        spectra.into_iter().map(serde_json::from_value).collect();
+    let spectra = spectra.map_err(serde::de::Error::custom)?;
+    Ok(spectra.into_iter().flat_map(|s| s.load_cases).collect())
 }
 
 /// Ids are numbers or text.
@@ -233,7 +262,7 @@ impl Model {
                 "its root is <{tag}>, that of a REXS file is <model>"
             ));
         }
-        // Load spectra and accumulations list components again, with results.
+        // Load spectra and accumulations list components again, with loads and results.
         let parts = |list: &'static str, part: &'static str| {
             let lists = root.children().filter(move |c| c.has_tag_name(list));
             lists.flat_map(move |l| l.children().filter(move |c| c.has_tag_name(part)))
@@ -242,6 +271,7 @@ impl Model {
             version: given(root, "version"),
             components: parts("components", "component").map(component).collect(),
             relations: parts("relations", "relation").map(relation).collect(),
+            load_cases: parts("load_spectrum", "load_case").map(load_case).collect(),
             places: HashMap::new(),
         })
     }
@@ -278,6 +308,14 @@ fn component(node: roxmltree::Node) -> Component {
         kind: given(node, "type"),
         name: given(node, "name"),
         attributes: attributes.map(attribute).collect(),
+    }
+}
+
+fn load_case(node: roxmltree::Node) -> LoadCase {
+    let components = node.children().filter(|c| c.has_tag_name("component"));
+    LoadCase {
+        id: given(node, "id"),
+        components: components.map(component).collect(),
     }
 }
 

@@ -16,15 +16,29 @@ impl<'a> Draft<'a> {
         let right = self.flank(i, "right")?;
         if left == right {
             fields.extend(left);
-        } else {
-            let line = format!(
-                "gear{}: the left flank is the drive flank; turn the two if the stage is driven the other way",
-                i + 1
-            );
-            self.account.add(Head::Assumed, line);
-            fields.insert("drive_flank".into(), left.into());
-            fields.insert("coast_flank".into(), right.into());
+            return Ok(());
         }
+        let gear = i + 1;
+        let (head, side, line) = match self.loaded_flank(i) {
+            Some((side, origin)) => {
+                let line =
+                    format!("gear{gear}: the {side} flank is the drive flank, from {origin}");
+                (Head::Taken, side, line)
+            }
+            None => {
+                let line = format!(
+                    "gear{gear}: the left flank is the drive flank; turn the two if the stage is driven the other way"
+                );
+                (Head::Assumed, "left", line)
+            }
+        };
+        self.account.add(head, line);
+        let [drive, coast] = match side {
+            "left" => [left, right],
+            _ => [right, left],
+        };
+        fields.insert("drive_flank".into(), drive.into());
+        fields.insert("coast_flank".into(), coast.into());
         Ok(())
     }
 

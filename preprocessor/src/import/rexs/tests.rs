@@ -1,6 +1,7 @@
 use std::io::Write;
 
 use approx::assert_abs_diff_eq;
+use gearmesh::gear::Flank;
 
 use super::teeth::GENERATED_SHIFT;
 use super::*;
@@ -714,4 +715,90 @@ fn allowances_of_a_span_are_its_limits_and_thickness_that_cannot_be_taken_is_a_w
         "and lower_backlash_allowance_referenced_to_span, upper_backlash_allowance_referenced_to_span",
     );
     assert!(!account.contains("warning"), "{account}");
+}
+
+/// The file with data of both gears in the stage, `torques` (N m) in the components, and `cases` of them in a load spectrum.
+fn under_load(torques: [Option<f64>; 2], cases: &[[f64; 2]]) -> Vec<u8> {
+    let relief = |id: u32, um: f64| {
+        json!({"id": id, "type": "profile_crowning", "attributes": [
+            {"id": "profile_crowning_at_tip", "unit": "mum", "floating_point": um}]})
+    };
+    let data = |id: u32, torque: Option<f64>| {
+        let torque =
+            torque.map(|value| json!({"id": "torque", "unit": "N m", "floating_point": value}));
+        let rest = json!({"id": "active_root_diameter", "unit": "mm", "floating_point": 115.0});
+        let flank = json!({"id": "loaded_tooth_flank", "unit": "none", "enum": "right"});
+        let all: Vec<Value> = torque.into_iter().chain([rest, flank]).collect();
+        json!({"id": id, "type": "cylindrical_stage_gear_data", "attributes": all})
+    };
+    let mut file: Value = serde_json::from_slice(&File::default().bytes()).unwrap();
+    let model = &mut file["model"];
+    for i in 0..2 {
+        let [gear, id] = [2 + i, 20 + i];
+        let components = model["components"].as_array_mut().unwrap();
+        components.push(data(id, torques[i as usize]));
+        let refs = json!([{"role": "stage", "id": 1}, {"role": "gear", "id": gear}, {"role": "stage_gear_data", "id": id}]);
+        let relations = model["relations"].as_array_mut().unwrap();
+        relations.push(json!({"type": "stage_gear_data", "refs": refs}));
+    }
+    // Flanks of gear 1 that differ.
+    let components = model["components"].as_array_mut().unwrap();
+    let mut right = components.iter().find(|c| c["id"] == 4).unwrap().clone();
+    right["id"] = json!(30);
+    components.extend([right, relief(31, 3.0), relief(32, 5.0)]);
+    let relations = model["relations"].as_array_mut().unwrap();
+    for relation in relations.iter_mut() {
+        for r in relation["refs"].as_array_mut().unwrap() {
+            if r["role"] == "right" && r["id"] == 4 {
+                r["id"] = json!(30);
+            }
+        }
+    }
+    for (flank, part) in [(4, 31), (30, 32)] {
+        let refs = json!([{"role": "origin", "id": flank}, {"role": "referenced", "id": part}]);
+        relations.push(json!({"type": "reference", "refs": refs}));
+    }
+    let cases = cases.iter().zip(1..).map(|(torques, id)| {
+        let components = [data(20, Some(torques[0])), data(21, Some(torques[1]))];
+        json!({"id": id, "components": components})
+    });
+    model["load_spectrum"] = json!({"id": 1, "load_cases": cases.collect::<Vec<_>>()});
+    file.to_string().into_bytes()
+}
+
+#[test]
+fn the_torque_of_a_gear_of_the_stage_is_the_nominal_one_and_its_loaded_flank_the_drive_flank() {
+    for (torques, cases, nominal) in [
+        ([Some(250.0), Some(-470.0)], &[][..], 250.0),
+        ([None, Some(-510.0)], &[], 270.0),
+        ([None, None], &[[-300.0, 560.0]], 300.0),
+    ] {
+        let imported = from_bytes(under_load(torques, cases), "stage").unwrap();
+        let pair = pair::from_json(&imported.text).unwrap();
+        assert_abs_diff_eq!(pair.operating.nominal_torque, nominal, epsilon = 1e-9);
+        let account = &imported.account;
+        says(account, "operating.nominal_torque_nm = ");
+        says(
+            account,
+            "gear1: the right flank is the drive flank, from loaded_tooth_flank of cylindrical_stage_gear_data 20",
+        );
+        says(account, "left: cylindrical_stage_gear_data 21: ");
+        says(account, "active_root_diameter = 115");
+        assert!(!account.contains("warning"), "{account}");
+        let flanks = [Flank::Drive, Flank::Coast].map(|flank| &pair.microgeometry.flank(flank)[0]);
+        let crowning = flanks.map(|flank| flank.profile_crowning.as_ref().unwrap().amount);
+        assert_abs_diff_eq!(crowning[..], [5e-6, 3e-6][..], epsilon = 1e-12);
+    }
+}
+
+#[test]
+fn of_several_load_cases_none_is_taken_and_each_is_listed() {
+    let bytes = under_load([None; 2], &[[100.0, -189.0], [200.0, -378.0]]);
+    let account = from_bytes(bytes, "stage").unwrap().account;
+    says(&account, "assumed: operating.nominal_torque_nm = ");
+    says(
+        &account,
+        "left: load case 1 (torque = 100.0 of cylindrical_stage_gear_data 20, torque = -189.0",
+    );
+    says(&account, "load case 2 (torque = 200.0");
 }

@@ -27,9 +27,13 @@ impl NominalStiffness {
     pub fn new(pair: &PairGeometry, torque: f64) -> Option<NominalStiffness> {
         let (pinion, wheel) = pinion_and_wheel(pair);
         let [x1, x2] = [pinion, wheel].map(shift);
-        if x1 < x2 || !(-0.5..=2.0).contains(&(x1 + x2)) {
-            return None;
-        }
+        let is_covered = x1 >= x2 && (-0.5..=2.0).contains(&(x1 + x2));
+        is_covered.then(|| Self::extrapolated(pair, torque))
+    }
+
+    /// The same beyond the limits of the standard, too. A transverse contact ratio below 1 counts as 1.
+    pub fn extrapolated(pair: &PairGeometry, torque: f64) -> NominalStiffness {
+        let (pinion, wheel) = pinion_and_wheel(pair);
         let cos_beta = pinion.helix_angle.cos();
         let theoretical = theoretical_pair_stiffness(pair);
         let blank = 0.5 * (blank(pinion) + blank(wheel));
@@ -40,12 +44,12 @@ impl NominalStiffness {
         let low = (line_load / FULL_LINE_LOAD).min(1.0).powf(0.25);
         let single = 0.8 * theoretical * blank * rack * cos_beta * modulus * low;
         let ratio = pair.transverse_contact_ratio(pair.center_distance);
-        let mesh = single * (0.75 * ratio + 0.25);
-        Some(NominalStiffness {
+        let mesh = single * (0.75 * ratio.max(1.0) + 0.25);
+        NominalStiffness {
             single,
             mesh,
             along_face: 0.85 * mesh,
-        })
+        }
     }
 }
 

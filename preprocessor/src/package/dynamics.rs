@@ -19,7 +19,7 @@
 use std::f64::consts::PI;
 
 use crate::gear::body;
-use crate::iso_6336_1;
+use crate::iso_6336_1::NominalStiffness;
 use gearmesh::gear::{Flank, Gear, PairGeometry};
 use gearmesh::root::bisection;
 use gearmesh::table::{Query, Table};
@@ -164,9 +164,6 @@ impl MeshDynamics {
     }
 }
 
-/// Young's modulus of ISO 6336-1's approximation, Pa.
-const STEEL_MODULUS: f64 = 206e9;
-
 /// Mesh positions that the mean and the largest stiffness are taken over.
 const POSITIONS: usize = 64;
 
@@ -227,30 +224,15 @@ impl Stiffness {
         }
     }
 
-    /// Without tables: the mean at `nominal_torque` (on gear 1, N m) by the approximation of ISO 6336-1:2006,
-    /// clause 9, N/m: c_gamma = c' (0.75 epsilon_alpha + 0.25) times the common face width, with c' of solid
-    /// discs from the teeth, their profile shifts, the basic rack, the helix and the Young's moduli. It knows
-    /// neither modifications nor bores, and what it gives for helices above 30 degrees is an extrapolation.
+    /// Without tables: the mean at `nominal_torque` (on gear 1, N m) by ISO 6336-1:2006, method B, N/m: c_gamma_alpha times the
+    /// common face width. Rim and web lower it by the standard's blank factor, and line loads below 100 N/mm, at the reference circle, by
+    /// their fourth root. It knows neither modifications nor bores; beyond the profile shifts of the standard and for helices above 30
+    /// degrees it is an extrapolation.
     pub fn estimated(geometry: &PairGeometry, nominal_torque: f64) -> Self {
-        const THEORY_TO_MEASUREMENT: f64 = 0.8;
-        let distance = geometry.center_distance;
-        let [g1, g2] = &geometry.gears;
-        let dedendum = 0.5 * (g1.dedendum_coefficient + g2.dedendum_coefficient);
-        let pressure_angle = g1.normal_pressure_angle.to_degrees();
-        let rack = (1.0 + 0.5 * (1.2 - dedendum)) * (1.0 - 0.02 * (20.0 - pressure_angle));
-        let [e1, e2] = [g1.youngs_modulus, g2.youngs_modulus];
-        let modulus = 2.0 * e1 * e2 / (e1 + e2) / STEEL_MODULUS;
+        let mesh = NominalStiffness::extrapolated(geometry, nominal_torque).mesh;
         let (_, width) = geometry.face_overlap();
-        let load = nominal_torque / geometry.operating_pitch_radius(0, distance) / width;
-        // Teeth that bear less than 100 N/mm touch on less of their face.
-        let light = (load / 100e3).min(1.0).powf(0.25);
-        let corrections = THEORY_TO_MEASUREMENT * rack * g1.helix_angle.cos() * modulus * light;
-        let ratio = geometry.transverse_contact_ratio(distance).max(1.0);
-        let loa = iso_6336_1::theoretical_pair_stiffness(geometry)
-            * corrections
-            * (0.75 * ratio + 0.25)
-            * width;
-        Self::constant(loa * geometry.operating_pressure_angle(distance).cos().powi(2))
+        let phi = geometry.operating_pressure_angle(geometry.center_distance);
+        Self::constant(mesh * width * phi.cos().powi(2))
     }
 
     /// One stiffness everywhere.
@@ -407,6 +389,24 @@ mod tests {
         let torque = 100.0 * 57.0 / 23.0;
         let wheel_first = Stiffness::estimated(&geometry([57, 23], [-0.3, 0.3]), torque);
         assert_relative_eq!(pinion_first.mean, wheel_first.mean, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn the_estimate_falls_with_a_thin_web() {
+        let mut geometry = paper_pair(1.0);
+        let full = Stiffness::estimated(&geometry, 100.0).mean;
+        let gear = &mut geometry.gears[0];
+        gear.body = Some(Body {
+            rim_radius: gear.root_radius() - 5.0 * gear.normal_module,
+            web: [0.4 * gear.face_width, 0.6 * gear.face_width],
+            hub_radius: gear.held_radius,
+            hub: [0.0, gear.face_width],
+            held_ends: [false; 2],
+        });
+        // C_R = 1 + ln(b_s / b) / (5 exp(s_R / 5 m)) of one gear, 1 of the other.
+        let mean = 0.5 * (2.0 + f64::ln(0.2) / (5.0 * f64::exp(1.0)));
+        let found = Stiffness::estimated(&geometry, 100.0).mean;
+        assert_relative_eq!(found / full, mean, max_relative = 1e-9);
     }
 
     #[test]

@@ -192,7 +192,8 @@ pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     let width = solver.geometry().face_overlap().1;
     columns! { |c: &Row|
         "mean_ste_loa_um", ["mean STE", "um", 4] => 1e6 * c.cycle.mean_ste();
-        "peak_to_peak_ste_loa_um", ["p-p STE", "um", 4] => 1e6 * c.cycle.peak_to_peak_ste();
+        // One position has no swing.
+        "peak_to_peak_ste_loa_um", ["p-p STE", "um", 4] => (c.cycle.results.len() > 1).then(|| 1e6 * c.cycle.peak_to_peak_ste());
         "", ["1st harm.", "um", 4] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
         "cycle_maximum_pressure_mpa", ["p_max", "MPa", 1] => 1e-6 * c.cycle.max_pressure();
         "cycle_edge_line_load_n_per_mm", ["tip edge", "N/mm", 1] => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);

@@ -1,7 +1,7 @@
 //! What a pair is, in the figures an engineer checks first against the drawing: as text and as JSON.
 
 use gearmesh::gear::{Flank, Gear, GearKind};
-use gearmesh::words::{fixed, rounded};
+use gearmesh::words::{fixed, rounded, significant};
 use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::gear::ToothProfile;
 use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, hand, lead};
@@ -275,7 +275,7 @@ fn body(g: &Gear, rows: &mut Listing) {
     if let Some(stiffness) = g.foundation {
         rows! { rows; "outside rests on" => "{} N/mm3 in every direction", rounded(stiffness * 1e-9); }
     }
-    rows! { rows; "material" => "E {:.1} GPa, Poisson ratio {}", g.youngs_modulus * 1e-9, g.poisson_ratio; }
+    rows! { rows; "material" => "E {} GPa, Poisson ratio {}", significant(g.youngs_modulus * 1e-9, 4), g.poisson_ratio; }
 }
 
 fn operating(pair: &Pair) -> Listing {

@@ -391,7 +391,7 @@ struct DeflectionArgs {
     #[arg(long, value_name = "CSV", conflicts_with = "bow_um")]
     deflection: Option<PathBuf>,
 
-    /// How much less both ends of the face close than its middle, um, parabolic, 0 at mid-face
+    /// How much less both ends of the face close than its middle, um, parabolic, 0 at mid-face; at most half a module
     #[arg(long, default_value_t = 0.0, value_parser = limits::within(-LARGEST_UM..=LARGEST_UM))]
     bow_um: f64,
 }
@@ -413,6 +413,14 @@ impl DeflectionArgs {
         if let Some(path) = &self.deflection {
             let curve = curve(path).map_err(|error| format!("{}: {error}", path.display()))?;
             return Ok(Some(curve));
+        }
+        let most = 0.5e6 * geometry.gears[0].normal_module;
+        if self.bow_um.abs() > most {
+            refuse!(
+                "--bow-um = {}: more than half of the module, {} um, beyond what shafts of gears deflect; give it in um",
+                self.bow_um,
+                rounded(most)
+            );
         }
         let (low, width) = geometry.face_overlap();
         let bow = Deflection::bow(self.bow_um * 1e-6, [low, low + width])?;

@@ -150,7 +150,8 @@ pub(super) fn check_with_usual(
     let meant = meant(path, value, usual).map_or_else(String::new, |meant| format!(": {meant}"));
     // A limit as it is shown is allowed, too: 0.1 * 1.5 is not quite 0.15.
     let allowed = [low.min(range[0]), high.max(range[1])];
-    ensure!(within(value, allowed), path => number(value);
+    // The middle of a tolerance has digits of rounding.
+    ensure!(within(value, allowed), path => number(rounded(value));
         "{problem}"; "give a value in that range, in the unit of the name{meant}");
     Ok(())
 }
@@ -257,7 +258,10 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
         let table = &file.gear(i).youngs_modulus_over_temperature;
         let (field, modulus) = match table.iter().flatten().next() {
             Some([_, modulus]) => ("youngs_modulus_over_temperature", *modulus),
-            None => ("youngs_modulus_gpa", file.gear(i).youngs_modulus_gpa),
+            None => (
+                "youngs_modulus_gpa",
+                file.gear(i).youngs_modulus_gpa.unwrap_or(0.0),
+            ),
         };
         let name = in_gear(i, field);
         let doubt = meant("_gpa", modulus, [0.1, 1200.0]).filter(|_| modulus > 1200.0);
@@ -479,18 +483,22 @@ fn check_operating(file: &PairFile) -> Result<(), Refusals> {
     both(check_torques(o), every([offset, tilt])).map(drop)
 }
 
+/// Largest torque over the nominal one that a slip in its unit explains.
+const USUAL_OVERLOAD: f64 = 10.0;
+
 fn check_torques(o: &OperatingFile) -> Result<(), Refusals> {
     let ([least, most], nominal) = (TORQUES, o.nominal_torque_nm);
     ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
     let field = "operating.maximum_torque_nm";
-    let (maximum, largest) = (
-        o.maximum_torque_nm,
-        "give the largest torque that is ever reached",
+    let maximum = o.maximum_torque_nm;
+    let largest = format!(
+        "give at least {}, the largest torque that is ever reached",
+        number(nominal)
     );
     // A limit as it is shown is allowed, too.
     ensure!(maximum >= nominal.min(rounded(nominal)), field => number(maximum);
         "is less than `operating.nominal_torque_nm` = {}", number(nominal);
-        "{}", remedy(field, maximum, [nominal, most], largest));
+        "{}", remedy(field, maximum, [nominal, USUAL_OVERLOAD * nominal], &largest));
     Ok(check(field, maximum, [least, most])?)
 }

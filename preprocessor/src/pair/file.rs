@@ -5,8 +5,10 @@
 use super::dimension::Dimension;
 use crate::gear::Refinement;
 use gearmesh::gear::ReliefShape;
-use serde::de::{Error as _, Unexpected};
+use serde::de::{self, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+use std::marker::PhantomData;
 
 /// Metres in a millimetre.
 pub(super) const MM: f64 = 1e-3;
@@ -99,13 +101,61 @@ macro_rules! with_modifications {
     };
 }
 
+/// Types of whole numbers, with their names in errors.
+trait Kind: TryFrom<i64> {
+    const NAME: &'static str;
+}
+
+macro_rules! kinds {
+    ($($kind:ident)*) => { $(impl Kind for $kind { const NAME: &'static str = stringify!($kind); })* };
+}
+kinds! { i32 u32 u8 }
+
 /// A whole number, also one with a fraction of zero, as tools write it that know no other numbers.
-fn whole<'de, D: Deserializer<'de>>(fields: D) -> Result<i32, D::Error> {
-    let value = f64::deserialize(fields)?;
-    let whole =
-        (value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX)).then_some(value as i32);
-    let given = format!("`{value}`");
-    whole.ok_or_else(|| D::Error::invalid_value(Unexpected::Other(&given), &"i32"))
+struct Whole<N>(N);
+
+/// Reads [`Whole`].
+struct Reader<N>(PhantomData<N>);
+
+impl<N: Kind> Visitor<'_> for Reader<N> {
+    type Value = Whole<N>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(N::NAME)
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Whole<N>, E> {
+        // Beyond 2^53 there are no fractions.
+        let whole = (value.fract() == 0.0 && value.abs() <= 9e15).then_some(value as i64);
+        let whole = whole.and_then(|whole| N::try_from(whole).ok());
+        let given = format!("`{value}`");
+        whole
+            .map(Whole)
+            .ok_or_else(|| E::invalid_value(Unexpected::Other(&given), &self))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Whole<N>, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<Whole<N>, E> {
+        self.visit_f64(value as f64)
+    }
+}
+
+impl<'de, N: Kind> Deserialize<'de> for Whole<N> {
+    fn deserialize<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
+        fields.deserialize_f64(Reader(PhantomData))
+    }
+}
+
+fn whole<'de, D: Deserializer<'de>, N: Kind>(fields: D) -> Result<N, D::Error> {
+    Whole::deserialize(fields).map(|number| number.0)
+}
+
+fn some_whole<'de, D: Deserializer<'de>, N: Kind>(fields: D) -> Result<Option<N>, D::Error> {
+    let number = Option::<Whole<N>>::deserialize(fields)?;
+    Ok(number.map(|number| number.0))
 }
 
 with_modifications! {
@@ -122,6 +172,7 @@ with_modifications! {
         pub normal_tooth_thickness_mm: Option<Dimension>,
         /// W_k over `span_teeth` teeth (ring: spaces).
         pub span_measurement_mm: Option<Dimension>,
+        #[serde(default, deserialize_with = "some_whole")]
         pub span_teeth: Option<i32>,
         /// M_dK (ring: between balls).
         pub dimension_over_balls_mm: Option<Dimension>,
@@ -169,8 +220,8 @@ with_modifications! {
         pub rim_supports: Option<SupportsFile>,
         /// Default: rigid.
         pub rim_foundation_n_per_mm3: Option<f64>,
-        #[serde(default = "default_youngs_modulus")]
-        pub youngs_modulus_gpa: f64,
+        /// Default 206.
+        pub youngs_modulus_gpa: Option<f64>,
         /// [°C, GPa], ascending, in place of `youngs_modulus_gpa`.
         pub youngs_modulus_over_temperature: Option<Vec<[f64; 2]>>,
         /// Linear. Default 0.
@@ -246,6 +297,7 @@ pub struct BodyMatrixFile {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HolesFile {
+    #[serde(deserialize_with = "whole")]
     pub count: u32,
     /// Through their middles.
     pub circle_diameter_mm: f64,
@@ -259,6 +311,7 @@ pub struct HolesFile {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SupportsFile {
+    #[serde(deserialize_with = "whole")]
     pub count: u32,
     pub width_deg: f64,
     /// From body +x to the middle of one of them. Default 0.
@@ -474,8 +527,9 @@ pub struct ToothErrorsFile {
 pub struct IndexFile {
     pub cumulative_pitch_um: Option<Vec<f64>>,
     /// Flank tolerance class of ISO 1328-1 that random errors use up.
+    #[serde(default, deserialize_with = "some_whole")]
     pub pitch_class: Option<u8>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     pub seed: u32,
 }
 
@@ -483,6 +537,7 @@ pub struct IndexFile {
 #[serde(deny_unknown_fields)]
 pub struct ToothFile {
     /// Its number, from 0 in +theta.
+    #[serde(deserialize_with = "whole")]
     pub tooth: u32,
     /// Under its own load, over that of the others.
     #[serde(default = "one")]
@@ -508,10 +563,6 @@ fn one() -> f64 {
 
 fn yes() -> bool {
     true
-}
-
-fn default_youngs_modulus() -> f64 {
-    206.0
 }
 
 fn default_poisson_ratio() -> f64 {

@@ -296,8 +296,20 @@ impl InMesh<'_> {
         for (i, gear) in self.geometry.gears.iter().enumerate() {
             let clearance = self.geometry.tip_clearance(i, self.center_distance);
             let (tip, value) = tip_field(self.file, gear, i);
+            let (field, at, mate) = (self.field, &self.value, 2 - i);
+            if let Some(root) = self
+                .file
+                .gear(1 - i)
+                .root_diameter_mm
+                .filter(|_| clearance <= 0.0)
+            {
+                return Err(refusal!(in_gear(1 - i, "root_diameter_mm") => root;
+                    "leaves the tips of gear {}, `{tip}` = {value}, a clearance of {:.3} mm at `{field}` = {at}",
+                    i + 1, clearance / MM;
+                    "check it: give a deeper root, shorten the teeth of gear {} or change the centre distance", i + 1));
+            }
             ensure!(clearance > 0.0, tip => value;
-                "the tip clearance to gear {} is {:.3} mm at `{}` = {}", 2 - i, clearance / MM, self.field, self.value;
+                "the tip clearance to gear {mate} is {:.3} mm at `{field}` = {at}", clearance / MM;
                 "shorten the tooth, deepen the mate's `dedendum_coefficient` or change the centre distance");
         }
         Ok(())
@@ -373,6 +385,14 @@ pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) ->
         }
         if wall < m && gear.foundation.is_none() {
             out.push(format!("gear {n}: only {wall:.3} mm, less than a module, between the root and the held surface"));
+        }
+        let body = gear.body.filter(|body| !body.is_shaft());
+        let rim = body.map(|body| (gear.root_radius() - body.rim_radius) / MM);
+        // Half a micrometre is the rounding of a drawing.
+        if let Some(rim) = rim.filter(|rim| *rim < m - 5e-4) {
+            out.push(format!(
+                "gear {n}: a rim of {rim:.3} mm, less than a module, under the roots"
+            ));
         }
         if profile.is_undercut() {
             out.push(format!(

@@ -174,13 +174,15 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
             format!("`{name}` stands twice; leave one of them out")
         }
         _ => match said.split_once(", expected ") {
-            Some((given, "an array of length 2")) if field.contains("_over_temperature") => {
-                mistyped(given, "a pair [°C, GPa]")
-            }
-            Some((given, "an array of length 2")) if field.ends_with("_ra_um") => {
-                mistyped(given, "[gear 1, gear 2]")
-            }
+            Some((given, "an array of length 2")) => mistyped(given, two_numbers(&field)),
             Some((given, expected)) => mistyped(given, expected),
+            None if field == "." && text.starts_with('<') => {
+                "this is XML and no pair file; `gearmesh new --rexs` makes a pair file of a REXS file".into()
+            }
+            None if said == "trailing characters" && field != "." => format!(
+                "there are more than two numbers; {} is expected, with a decimal point in each, such as [-0.5, 0.5]",
+                two_numbers(&field)
+            ),
             None => in_plain_words(said, &field).to_owned(),
         },
     };
@@ -216,6 +218,15 @@ fn has_second_name(here: &str, column: usize) -> bool {
         })
 }
 
+/// What the two numbers of `field` are.
+fn two_numbers(field: &str) -> &'static str {
+    match field {
+        _ if field.contains("_over_temperature") => "a pair [°C, GPa]",
+        _ if field.ends_with("_ra_um") => "[gear 1, gear 2]",
+        _ => "[lowest, highest]",
+    }
+}
+
 /// What to say of text that is no JSON.
 fn in_plain_words<'a>(said: &'a str, field: &str) -> &'a str {
     match said {
@@ -226,11 +237,7 @@ fn in_plain_words<'a>(said: &'a str, field: &str) -> &'a str {
         "key must be a string" => {
             "the name of a field in double quotes is expected here; numbers have a decimal point, no comma"
         }
-        "trailing characters" if field == "." => "something stands after the closing bracket",
-        "trailing characters" => {
-            "there are more than two numbers; [lowest, highest] are expected, with a decimal point in each, such as \
-             [-0.5, 0.5]"
-        }
+        "trailing characters" => "something stands after the closing bracket",
         "invalid number" => "this is no number; write 4.0 or 0.5, without leading zeros",
         "number out of range" => "the number is out of range",
         "EOF while parsing a string"
@@ -345,7 +352,6 @@ fn mistyped(given: &str, expected: &str) -> String {
         "newtype variant" => "a value in braces, such as { \"diameter_mm\": 88.0 },",
         "a string" | "string" => "a text in double quotes",
         "a boolean" => "true or false",
-        "an array of length 2" => "[lowest, highest]",
         part if part.starts_with("struct") => "fields in braces, { ... }",
         other => other,
     };

@@ -4,7 +4,7 @@
 //! length of roll. What both gears grow by in the mean is a larger module. By what one grows beyond it, material grows linearly towards its
 //! tip, a profile slope, and its teeth get thicker: gears of different base pitches.
 
-use super::checks::{ABOVE_0, Refusal, check, ensure, in_gear};
+use super::checks::{ABOVE_0, Refusal, check, ensure, in_gear, refusal};
 use super::file::{GearFile, PairFile, UM};
 use gearmesh::gear::{Gear, Microgeometry, PairGeometry, PairMicrogeometry, ProfileSlope};
 use gearmesh::words::{rounded, significant};
@@ -24,14 +24,38 @@ fn check_expansion(file: &PairFile, field: &str, um: Option<f64>) -> Result<(), 
     check(field, um, [0.0, 500.0])
 }
 
-/// A note on a temperature on which nothing depends.
+/// A note on a temperature on which nothing depends, or at which some parts grow and others, of which nothing is said, do not.
 pub(super) fn note(file: &PairFile) -> Option<String> {
     let celsius = file.operating.temperature_c.filter(|t| *t != OF_DRAWING)?;
-    let depends = [&file.gear1, &file.gear2].iter().any(|gear| {
-        gear.youngs_modulus_over_temperature.is_some()
-            || gear.thermal_expansion_um_per_m_k.is_some()
-    });
-    (!depends && file.housing_thermal_expansion_um_per_m_k.is_none()).then(|| {
+    let expansions = [
+        (
+            "gear1.thermal_expansion_um_per_m_k",
+            file.gear1.thermal_expansion_um_per_m_k,
+        ),
+        (
+            "gear2.thermal_expansion_um_per_m_k",
+            file.gear2.thermal_expansion_um_per_m_k,
+        ),
+        (
+            "housing_thermal_expansion_um_per_m_k",
+            file.housing_thermal_expansion_um_per_m_k,
+        ),
+    ];
+    let (given, open): (Vec<_>, Vec<_>) = expansions.iter().partition(|(_, um)| um.is_some());
+    let names = |fields: Vec<&(&str, Option<f64>)>| {
+        let names: Vec<String> = fields.iter().map(|(name, _)| format!("`{name}`")).collect();
+        names.join(" and ")
+    };
+    if !given.is_empty() {
+        let (given, open) = (names(given), (!open.is_empty()).then(|| names(open))?);
+        return Some(format!(
+            "{open} = 0 assumed beside {given}: what has no expansion stays as cold as on the drawing"
+        ));
+    }
+    let depends = [&file.gear1, &file.gear2]
+        .iter()
+        .any(|gear| gear.youngs_modulus_over_temperature.is_some());
+    (!depends).then(|| {
         format!(
             "`operating.temperature_c` = {celsius} changes nothing: no thermal expansion is given, and no Young's modulus over the temperature"
         )
@@ -53,6 +77,10 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
             continue;
         };
         let field = in_gear(i, "youngs_modulus_over_temperature");
+        if let Some(gpa) = gear.youngs_modulus_gpa {
+            return Err(refusal!(in_gear(i, "youngs_modulus_gpa") => gpa;
+                "`youngs_modulus_over_temperature` says the same"; "give only one of them"));
+        }
         let ascends = table.windows(2).all(|w| w[0][0] < w[1][0]);
         ensure!(table.len() >= 2 && ascends, field => format!("{table:?}");
             "is no table over ascending temperatures"; "give at least two pairs [°C, GPa], the coldest first");
@@ -68,6 +96,9 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// Young's modulus of gears of which nothing is said, GPa.
+const STEEL: f64 = 206.0;
+
 /// Young's modulus of gear `g` at its temperature, GPa; linear between those of its table.
 pub(super) fn youngs_modulus(file: &PairFile, g: &GearFile) -> f64 {
     // One that is too short is refused.
@@ -76,7 +107,7 @@ pub(super) fn youngs_modulus(file: &PairFile, g: &GearFile) -> f64 {
         .as_ref()
         .filter(|table| table.len() >= 2);
     let Some(table) = table else {
-        return g.youngs_modulus_gpa;
+        return g.youngs_modulus_gpa.unwrap_or(STEEL);
     };
     let celsius = temperature(file);
     let above = table.partition_point(|[at, _]| *at <= celsius);

@@ -27,9 +27,25 @@ fn the_papers_rounded_centre_distance_is_free_of_backlash() {
 }
 
 #[test]
-fn numbers_of_teeth_may_be_written_with_a_fraction_of_zero() {
-    let g = pair(PAPER, r#"{"gear1": {"teeth": 20.0}}"#).geometry;
-    assert_eq!(g.gears[0].teeth, 20);
+fn whole_numbers_may_be_written_with_a_fraction_of_zero() {
+    let errors = r#""tooth_errors": {"drive_flank": {"pitch_class": 6.0, "seed": 3.0}, "teeth": [{"tooth": 2.0, "compliance_factor": 2}]}"#;
+    let g = pair(
+        PAPER,
+        &format!(r#"{{"gear1": {{"teeth": 20.0, {errors}}}}}"#),
+    );
+    assert_eq!(g.geometry.gears[0].teeth, 20);
+    let whole = pair(
+        PAPER,
+        &format!(r#"{{"gear1": {{{}}}}}"#, errors.replace(".0", "")),
+    );
+    assert_eq!(g.teeth, whole.teeth);
+    let drawing = named("drawing");
+    let teeth = serde_json::from_str::<Value>(&drawing).unwrap()["gear1"]["span_teeth"].clone();
+    let patch = format!(r#"{{"gear1": {{"span_teeth": {}.0}}}}"#, teeth);
+    assert_eq!(
+        pair(&drawing, &patch).geometry,
+        pair(&drawing, "{}").geometry
+    );
 }
 
 #[test]

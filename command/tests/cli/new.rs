@@ -63,7 +63,7 @@ fn negative_teeth_make_a_ring_in_the_signs_of_iso_21771_and_the_same_pair() {
 #[test]
 fn teeth_of_a_ring_with_little_room_at_their_roots_get_a_smaller_fillet() {
     let rest = "--internal --module-mm 2 --face-width-mm 20 20 --torque-nm 10";
-    for teeth in ["17 30", "15 25", "17 24", "17 28", "20 25"] {
+    for teeth in ["17 30", "15 25", "17 24", "17 28"] {
         let file = succeed!("new {rest} --teeth {teeth}");
         let radii = file.match_indices("\"tool_tip_radius_coefficient\": ");
         let radii = radii.map(|(at, name)| file[at + name.len()..].split(',').next().unwrap());
@@ -71,6 +71,7 @@ fn teeth_of_a_ring_with_little_room_at_their_roots_get_a_smaller_fillet() {
         assert_eq!(radii[0], 0.38, "{file}");
         assert!((0.0..0.38).contains(&radii[1]), "{file}");
     }
+    refused!("new {rest} --teeth 20 25"; "the tooth difference, 25 - 20 = 5, is too small");
 }
 
 #[test]

@@ -19,6 +19,8 @@ use crate::pair_summary::at_build;
 /// Error of the force, percent rms of the nominal one or, under low loads, of that which acts, from which on tooth pairs one by one are
 /// warned of.
 const LARGE_ERROR: f64 = 3.0;
+/// The same of the moment, % of the nominal force at an end of the face.
+const LARGE_MOMENT_ERROR: f64 = 6.0;
 
 /// Which dimensions a table has and how fine it is.
 #[derive(Debug, Clone, Args)]
@@ -114,16 +116,17 @@ fn in_words(made: &Made, models: &ElasticModels, effort: &str) -> Listing {
         rows! { rows; "root stress" => "{seconds:.1} s, {}", record.interpolation_error; }
     }
     if let (Some(record), Some(seconds)) = (&made.file.teeth, account.teeth_seconds) {
-        let percent = 100.0 * record.error.force_rms;
+        let [percent, moment] =
+            [record.error.force_rms, record.error.moment_rms].map(|x| 100.0 * x);
         let low_load = record.error.low_load_force.map(|[rms, _]| 100.0 * rms);
         rows! { rows; "tooth pairs one by one" => "{seconds:.1} s, {}", table::teeth_in_words(record); }
-        if percent.max(low_load.unwrap_or(0.0)) > LARGE_ERROR {
+        if percent.max(low_load.unwrap_or(0.0)) > LARGE_ERROR || moment > LARGE_MOMENT_ERROR {
             let [least, most] = LOW_LOADS;
             let low_load = low_load.map_or_else(String::new, |error| {
                 format!(", and at {least} to {most} of it by {error:.1} % of the force that acts")
             });
             rows! { rows;
-                "warning" => "tooth pairs one by one are off by {percent:.1} % rms of the nominal force{low_load}; for this pair build with \
+                "warning" => "tooth pairs one by one are off by {percent:.1} % rms of the nominal force{low_load}, and by {moment:.1} % in its moment over the face; for this pair build with \
                      --contact and set stiffnessModel = contact";
             }
         }

@@ -57,6 +57,8 @@ pub(crate) struct Constants {
     pub mesh_zero: [f64; 2],
     /// Nominal force on the line of action, N.
     pub nominal_force: f64,
+    /// See [`PairGeometry::disc_mass`].
+    pub disc_mass: f64,
 }
 
 /// Index of the flank in arrays: drive, coast.
@@ -114,6 +116,7 @@ impl Constants {
             per_cos_beta_b: 1.0 / numbers.cos_beta_b,
             tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
             z_ref: numbers.z_ref,
+            disc_mass: pair.disc_mass(),
             face_offset: numbers.face_offset[1],
             common_face: [low, low + width],
             radial_engagement: RadialEngagement::new(pair),

@@ -62,9 +62,14 @@ const CHANGED: f64 = 15.0;
 const SETTLED: f64 = 60.0;
 /// Steps after which bodies that follow the loads are taken for those of a master that lets them act late.
 const PATIENCE: usize = 6;
-/// Mobilities over the most that the gears alone have, between which the loads move the bodies, and below which they no longer do.
-const MOBILITY: [f64; 2] = [0.2, 3.0];
-const NO_MOBILITY: f64 = 0.1;
+/// Mobilities over that of the given mass, between which the loads move the bodies, and below which they no longer do: plastics are lighter
+/// than steel, and rotors heavier than gears.
+const MOBILITY: [f64; 2] = [0.02, 20.0];
+const NO_MOBILITY: f64 = 0.01;
+/// Share of the mobility that the models depart from below which they depart anew from the one found, and evidence for loads below
+/// which the motion is given and shows none.
+const HEAVIER: f64 = 0.3;
+const GIVEN: f64 = -30.0;
 
 /// Steps that differ by less, relatively, are alike.
 const ALIKE: f64 = 1e-6;
@@ -88,20 +93,6 @@ impl Lag {
             Self::None => 0,
             Self::One => 1,
         }
-    }
-
-    /// Of bodies that go on with their velocities, in steps of `length` s.
-    pub(super) fn drift(self, length: f64) -> Ahead {
-        let outlook = Outlook {
-            free: [0.0; 2],
-            slope: 0.0,
-            mobility: [0.0; 2],
-        };
-        let given = match self {
-            Self::None => None,
-            Self::One => Some([0.0; 2]),
-        };
-        (outlook, given, length)
     }
 }
 
@@ -290,11 +281,14 @@ pub(super) struct Master {
     settled: bool,
     /// Steps that it comes from.
     rows: usize,
+    /// Mobility of the gears that was given, 1/kg, and the one that the models depart from.
+    given: f64,
+    mobility: f64,
 }
 
 impl Master {
-    /// At the start, where `force` (N) was read already; `lag` where it is known.
-    pub fn new(lag: Option<Lag>, force: f64) -> Self {
+    /// At the start, where `force` (N) was read already; `lag` where it is known. The gears alone have the mobility `given`, 1/kg, about.
+    pub fn new(lag: Option<Lag>, force: f64, given: f64) -> Self {
         Self {
             lag,
             told: lag.is_some(),
@@ -308,13 +302,16 @@ impl Master {
             evidence: [0.0; 2],
             settled: lag.is_some(),
             rows: 0,
+            given,
+            mobility: given,
         }
     }
 
     /// Whether steps can have made it.
     pub fn is_valid(&self) -> bool {
         let squares = |model: &Model| (0..UNKNOWNS).all(|i| model.square[i][i] >= 0.0);
-        self.change >= 0.0 && self.models.iter().chain([&self.alone]).all(squares)
+        let known = [self.given, self.mobility].iter().all(|w| *w > 0.0);
+        known && self.change >= 0.0 && self.models.iter().chain([&self.alone]).all(squares)
     }
 
     /// The motion goes on from another place.
@@ -328,9 +325,8 @@ impl Master {
         self.steps.count
     }
 
-    /// Takes in a step: `change` is a and d, m/s², `length` its length, s; the gears alone have the mobility `w`, 1/kg, at most, and
-    /// `nominal` is the nominal force, N.
-    pub fn observe(&mut self, change: [f64; 2], length: f64, w: f64, nominal: f64) {
+    /// Takes in a step: `change` is a and d, m/s², `length` its length, s; `nominal` is the nominal force, N.
+    pub fn observe(&mut self, change: [f64; 2], length: f64, nominal: f64) {
         let steps = &mut self.steps;
         steps.even = if steps.goes_on(length) {
             steps.even + 1
@@ -346,6 +342,7 @@ impl Master {
         if steps.count < 3 || steps.force[..3].iter().all(|force| *force == 0.0) {
             return;
         }
+        let w = self.mobility;
         let noise = (NOISE * nominal * w).powi(2);
         let [a, d] = &self.steps.change;
         let (da, dd) = (a[0] - a[1], d[0] - d[1]);
@@ -365,13 +362,14 @@ impl Master {
             self.models[lag.index()].add::<UNKNOWNS>(&row, noise)
         });
         if self.settled {
-            let holds = |lag| self.told || self.moves(lag, w);
+            let holds = |lag| self.told || self.moves(lag);
             if !self.lag.is_some_and(holds) {
                 *self = Self {
                     steps: self.steps,
                     change: self.change,
                     evidence: [0.0, SETTLED],
-                    ..Self::new(None, 0.0)
+                    mobility: w,
+                    ..Self::new(None, 0.0, self.given)
                 };
             }
             return;
@@ -393,23 +391,38 @@ impl Master {
         self.evidence[0] += ratio(none, one);
         self.evidence[1] = (self.evidence[1] + ratio(alone, better)).min(SETTLED);
         self.rows += 1;
-        self.judge(w);
+        self.judge();
+        if self.lag.is_none() {
+            self.depart_anew();
+        }
     }
 
-    fn judge(&mut self, w: f64) {
+    /// Lets the models depart from the mobility that they show where the bodies are far heavier: what they learn of it is a difference of
+    /// nearly equal numbers then, which the weight of no change hides.
+    fn depart_anew(&mut self) {
+        let [of_lag, of_loads] = self.evidence;
+        let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
+        let [found, _] = self.mobility(likely);
+        if of_loads > GIVEN && found > 0.0 && found < HEAVIER * self.mobility {
+            self.mobility = found.max(NO_MOBILITY * self.mobility);
+            self.models = [Model::default(); 2];
+        }
+    }
+
+    fn judge(&mut self) {
         let [of_lag, of_loads] = self.evidence;
         if of_loads < -KNOWN {
             self.lag = None;
         }
-        let moves = |lag: Lag| of_loads > KNOWN && self.moves(lag, w);
-        let [by_force, theta_by_force] = self.mobility(Lag::None, w);
+        let moves = |lag: Lag| of_loads > KNOWN && self.moves(lag);
+        let [by_force, theta_by_force] = self.mobility(Lag::None);
         let at_once = of_lag < -KNOWN && by_force > 0.0 && theta_by_force > SET_AT_ONCE * by_force;
         let late = || Some(Lag::One).filter(|lag| !at_once && moves(*lag));
         let found = match self.lag {
             Some(Lag::None) if of_lag > KNOWN || !moves(Lag::None) => late(),
             None | Some(Lag::One) if of_lag < -CHANGED && moves(Lag::None) => Some(Lag::None),
             None if of_lag > KNOWN || self.rows >= PATIENCE => late(),
-            Some(Lag::One) if self.mobility(Lag::One, w)[0] < NO_MOBILITY * w => None,
+            Some(Lag::One) if self.mobility(Lag::One)[0] < NO_MOBILITY * self.given => None,
             known => known,
         };
         self.lag = found;
@@ -418,14 +431,15 @@ impl Master {
     }
 
     /// Whether the forces that act with this lag move the bodies as much as forces on gears do, and without lag more than those one step late.
-    fn moves(&self, lag: Lag, w: f64) -> bool {
+    fn moves(&self, lag: Lag) -> bool {
         let [by_a, _] = &self.models[lag.index()].coefficients;
         let late = match lag {
             Lag::None => -(by_a[0] + by_a[ORDER + 1]),
             Lag::One => 0.0,
         };
-        let share = self.mobility(lag, w)[0] / w;
-        (late.max(MOBILITY[0])..MOBILITY[1]).contains(&share)
+        let [found, _] = self.mobility(lag);
+        let [least, most] = MOBILITY.map(|share| share * self.given);
+        (least.max(late * self.mobility)..most).contains(&found)
     }
 
     /// Mean rate over the last step less the one at its end, m/s: what the master's rule holds back.
@@ -434,14 +448,16 @@ impl Master {
         (d[0] - a[0]) * self.steps.length[0]
     }
 
-    fn mobility(&self, lag: Lag, w: f64) -> [f64; 2] {
+    /// w and theta w, 1/kg.
+    fn mobility(&self, lag: Lag) -> [f64; 2] {
+        let w = self.mobility;
         let [by_a, by_d] = &self.models[lag.index()].coefficients;
         [w * (1.0 - by_a[ORDER]), w * (0.5 - by_d[ORDER])]
     }
 
     /// The steps that start now and after it, under the forces returned so far; both end with the outlook of the one in which the force
     /// acts that is returned now. In between: length of the step, and a and d over it.
-    pub fn ahead(&self, lag: Lag, length: f64, w: f64) -> Ahead {
+    pub fn ahead(&self, lag: Lag, length: f64) -> Ahead {
         let steps = &self.steps;
         let even = if steps.goes_on(length) {
             steps.even + 1
@@ -452,12 +468,12 @@ impl Master {
         match lag {
             Lag::None => {
                 let [a, d] = &steps.change;
-                let outlook = self.outlook(lag, w, [a, d], &steps.force, even, lengths);
+                let outlook = self.outlook(lag, [a, d], &steps.force, even, lengths);
                 (outlook, None, length)
             }
             Lag::One => {
                 let [mut a, mut d] = steps.change;
-                let outlook = self.outlook(lag, w, [&a, &d], &steps.force[1..], even, lengths);
+                let outlook = self.outlook(lag, [&a, &d], &steps.force[1..], even, lengths);
                 let given = outlook.under(steps.force[0]);
                 push(&mut a, given[0]);
                 push(&mut d, given[1]);
@@ -466,7 +482,7 @@ impl Master {
                 let next = if turns { steps.length[0] } else { length };
                 let even = if turns || next == length { even + 1 } else { 1 };
                 let lengths = [next, length];
-                let outlook = self.outlook(lag, w, [&a, &d], &steps.force, even, lengths);
+                let outlook = self.outlook(lag, [&a, &d], &steps.force, even, lengths);
                 (outlook, Some(given), next)
             }
         }
@@ -476,7 +492,6 @@ impl Master {
     fn outlook(
         &self,
         lag: Lag,
-        w: f64,
         change: [&Series<KEPT>; 2],
         acting: &[f64],
         even: usize,
@@ -487,11 +502,12 @@ impl Master {
         forces[1..].copy_from_slice(&acting[..KEPT - 1]);
         let mut changes = [0.0; KEPT];
         changes[1..].copy_from_slice(&change[0][..KEPT - 1]);
+        let w = self.mobility;
         let known = self.steps.known(w, &changes, &forces, even);
         let model = &self.models[lag.index()];
         let before = w * forces[1];
         let [a, d] = [0, 1].map(|k| change[k][0] + dot(&model.coefficients[k], &known));
-        let mobility = self.mobility(lag, w);
+        let mobility = self.mobility(lag);
         let free = [a + before, d + 0.5 * before];
         let newest = change[0][0] + mobility[0] * forces[1];
         let slope = if alike(lengths[0], lengths[1]) {
@@ -529,7 +545,7 @@ mod tests {
     #[test]
     fn a_given_motion_is_not_taken_for_one_that_follows_the_loads() {
         for per_step in [0.02, 0.1, 0.3] {
-            let mut master = Master::new(None, 0.0);
+            let mut master = Master::new(None, 0.0, MOBILITY);
             let omega = per_step / STEP;
             let at = |n: f64| {
                 let (sin, cos) = (omega * n * STEP).sin_cos();
@@ -539,7 +555,7 @@ mod tests {
                 let ((x0, v0), (x1, v1)) = (at(f64::from(n)), at(f64::from(n + 1)));
                 master.give(SPRING * x0);
                 let d = (x1 - x0 - STEP * v0) / (STEP * STEP);
-                master.observe([(v1 - v0) / STEP, d], STEP, MOBILITY, NOMINAL);
+                master.observe([(v1 - v0) / STEP, d], STEP, NOMINAL);
                 assert_eq!(master.lag, None, "{per_step} in step {n}");
             }
         }

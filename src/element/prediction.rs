@@ -53,7 +53,7 @@ pub struct StepRequest {
     pub coupling: Coupling,
     /// Length of the step, s, > 0.
     pub length: f64,
-    /// Least effective mass along the line of action, kg; 0: not known.
+    /// Effective mass of the gears along the line of action, kg, about; 0: that of both as discs.
     pub effective_mass: f64,
 }
 
@@ -147,9 +147,6 @@ const MOST_ACCELERATION: f64 = 1e12;
 /// Mobility over the given one below which it says nothing of a mass.
 const LEAST_MOBILITY: f64 = 1e-6;
 
-/// Mobility that stands for one that is not known, 1/kg.
-const UNKNOWN_MOBILITY: f64 = 1.0;
-
 /// Where the step begins in which the loads act, beside the drift with the present velocities: after `time` s, by a displacement, m,
 /// and a rate, m/s, under the accelerations of `outlook`, over `length` s.
 struct Acting {
@@ -189,20 +186,17 @@ impl Element {
             return Ok(prediction);
         };
         let force = mesh.force_along_turn();
-        let mobility = match request.effective_mass {
-            0.0 => UNKNOWN_MOBILITY,
-            mass => mass.recip(),
+        let mass = match request.effective_mass {
+            0.0 => self.constants.disc_mass,
+            given => given,
         };
+        let mobility = mass.recip();
         let mut history = self.observe(mesh, &outputs, last, request, mobility);
         let now = (prediction.loads, force);
         let mut given = force;
         let starts = history.master.steps() == 0;
-        if let Some(lag) = (history.master.lag).filter(|_| !starts || request.effective_mass == 0.0)
-        {
-            let (found, next, length) = match starts {
-                true => lag.drift(request.length),
-                false => history.master.ahead(lag, request.length, mobility),
-            };
+        if let Some(lag) = history.master.lag.filter(|_| !starts) {
+            let (found, next, length) = history.master.ahead(lag, request.length);
             let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
             let report = &mut history.report;
             if found.mobility[0] > LEAST_MOBILITY * mobility {
@@ -266,7 +260,7 @@ impl Element {
             },
             length: request.length,
             master: last.map_or_else(
-                || Master::new(request.coupling.lag(), mesh.force_along_turn()),
+                || Master::new(request.coupling.lag(), mesh.force_along_turn(), mobility),
                 |last| last.master,
             ),
             foreseen: None,
@@ -297,7 +291,7 @@ impl Element {
                 let displacement = (x1 - x0 - v0 * h) / h.powi(2);
                 history
                     .master
-                    .observe([acceleration, displacement], h, mobility, nominal);
+                    .observe([acceleration, displacement], h, nominal);
                 if let Some(foreseen) = last.foreseen {
                     history.report.error = (acceleration - foreseen) * last.report.effective_mass;
                 }

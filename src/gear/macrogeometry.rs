@@ -117,6 +117,15 @@ impl Gear {
         (self.helix_angle.tan() * self.transverse_pressure_angle().cos()).atan()
     }
 
+    /// Density, kg/m³, as Young's modulus tells the material: steel from 100 GPa on, light metal from 40 GPa on, plastics below.
+    pub fn density(&self) -> f64 {
+        match self.youngs_modulus {
+            modulus if modulus >= 100e9 => 7850.0,
+            modulus if modulus >= 40e9 => 2700.0,
+            _ => 1400.0,
+        }
+    }
+
     /// Reference radius, m.
     pub fn reference_radius(&self) -> f64 {
         0.5 * self.z() * self.transverse_module()

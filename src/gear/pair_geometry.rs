@@ -1,6 +1,7 @@
 //! Two gears in mesh: what the transverse section and the face overlap say in closed form.
 
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 use super::macrogeometry::ensure;
 use super::{Gear, GearKind, GeometryError, involute};
@@ -132,6 +133,17 @@ impl PairGeometry {
         let shift = first.profile_shift + self.e() * second.profile_shift;
         involute(first.transverse_pressure_angle())
             + 2.0 * first.normal_pressure_angle.tan() * shift / self.tooth_sum()
+    }
+
+    /// Effective mass along the line of action, kg, of both gears that spin as discs between the surface that is held and the
+    /// reference cylinder.
+    pub fn disc_mass(&self) -> f64 {
+        let mobility = self.gears.each_ref().map(|gear| {
+            let [reference, held] = [gear.reference_radius(), gear.held_radius].map(|r| r.powi(4));
+            let inertia = 0.5 * PI * gear.density() * gear.face_width * (reference - held).abs();
+            gear.base_radius().powi(2) / inertia
+        });
+        (mobility[0] + mobility[1]).recip()
     }
 
     /// Operating pitch radius of gear `i` (0 or 1) at `center_distance`, m, (3).

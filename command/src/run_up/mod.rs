@@ -30,7 +30,7 @@ pub struct RunUpCommand {
     output: PathBuf,
 
     /// Moments of inertia about their axes, kg m2, of gear 1 and of gear 2 with all that turns with them; inf: it turns as imposed
-    /// [default: the gears alone, of steel]
+    /// [default: the gears alone]
     #[arg(long, value_name = "J", num_args = 2, value_parser = inertia)]
     inertia_kg_m2: Vec<f64>,
 

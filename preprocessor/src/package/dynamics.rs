@@ -25,9 +25,6 @@ use gearmesh::root::bisection;
 use gearmesh::table::{Query, Table};
 use gearmesh::words::to_digits;
 
-/// Density of steel, kg/m³.
-const STEEL_DENSITY: f64 = 7850.0;
-
 /// Damping ratio that packing gives a pair: light among the 0.03 to 0.17 published for steel gears (quoted by
 /// Amabili and Rivola, Mech. Syst. Signal Process. 11 (1997) 375-390), so that it hides no resonance.
 pub const DAMPING_RATIO: f64 = 0.05;
@@ -40,7 +37,7 @@ const STEP_SHARE: f64 = 0.5;
 const STEP_ANGLE: f64 = 0.4;
 const STEP_ANGLE_FREE: f64 = 0.6;
 
-/// A gear of steel between the surface that is fixed (bore, rim of a ring) and the reference cylinder: a solid disc
+/// A gear between the surface that is fixed (bore, rim of a ring) and the reference cylinder: a solid disc
 /// over its face width, or the rim, web and hub that the pair file gives; without the shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Blank {
@@ -59,7 +56,7 @@ impl Blank {
         for ring in body::annuli(gear, gear.reference_radius()) {
             let [inner, outer] = ring.radii.map(|r| r * r);
             let width = ring.z[1] - ring.z[0];
-            let mass = STEEL_DENSITY * PI * (inner - outer).abs() * width;
+            let mass = gear.density() * PI * (inner - outer).abs() * width;
             let axial = 0.5 * mass * (inner + outer);
             let arm = 0.5 * (ring.z[0] + ring.z[1] - gear.face_width);
             sum.mass += mass;
@@ -74,7 +71,7 @@ impl Blank {
 /// What the pair says about the dynamics of its mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshDynamics {
-    /// The gears' bodies of steel.
+    /// The gears' bodies.
     pub blanks: [Blank; 2],
     /// Reduced mass of both on the pitch circle, spinning alone, kg.
     pub reduced_mass: f64,
@@ -361,7 +358,7 @@ mod tests {
                 ..gear.clone()
             })
         });
-        let web = STEEL_DENSITY * PI * 500e-6 * (gear.face_width - 4e-3);
+        let web = gear.density() * PI * 500e-6 * (gear.face_width - 4e-3);
         for (found, expected) in [
             (disc.axial_inertia, 0.5 * disc.mass * square),
             (disc.transverse_inertia, 0.25 * disc.mass * square),

@@ -66,6 +66,13 @@ impl Bodies {
         Self::new("pair", &[m, m], &[(0, &[(0, 1.0), (1, -1.0)])]).loaded(&[(0, load), (1, -load)])
     }
 
+    /// The same of `share` of the packed mass.
+    pub fn weighing(p: &Packed, share: f64) -> Self {
+        let mut bodies = Self::pair(p);
+        bodies.mass *= share;
+        bodies
+    }
+
     /// The same through the resonance with separation and back.
     pub fn swept(p: &Packed) -> Self {
         let mut bodies = Self::pair(p);

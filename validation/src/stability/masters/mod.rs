@@ -319,6 +319,46 @@ pub fn settling(p: &Packed, bodies: Bodies) -> Result<Vec<Settling>> {
     Ok(found)
 }
 
+/// Errors of a pair of another mass than the packed one.
+#[derive(Debug, Clone, Copy)]
+pub struct OfMass {
+    /// Over the packed mass.
+    pub share: f64,
+    pub master: Master,
+    pub theta: f64,
+    pub known: Option<Errors>,
+    pub automatic: Option<Errors>,
+}
+
+/// Shares of the packed mass.
+const MASSES: [f64; 8] = [0.18, 0.25, 0.35, 0.5, 1.0, 3.0, 10.0, 30.0];
+
+/// Pairs of a fifth to thirty times the packed mass at 160 packed steps a mesh cycle, under masters that move the bodies exactly or set velocities first.
+pub fn of_masses(p: &Packed) -> Result<Vec<OfMass>> {
+    let mut all = vec![];
+    for share in MASSES {
+        let case = Case::new(p, Bodies::weighing(p, share), STEPS[4])?;
+        for (master, coupling) in MASTERS {
+            for theta in [0.5, 1.0] {
+                let errors = |coupling| {
+                    case.errors(Stepping {
+                        theta,
+                        ..Stepping::exact(coupling, master, ALIKE)
+                    })
+                };
+                all.push(OfMass {
+                    share,
+                    master,
+                    theta,
+                    known: errors(coupling)?,
+                    automatic: errors(Coupling::Automatic)?,
+                });
+            }
+        }
+    }
+    Ok(all)
+}
+
 /// Largest departure of the force from that of held loads along a given motion, over the nominal load, %.
 pub fn given(p: &Packed, steps: f64, lengths: [usize; 2]) -> Result<f64> {
     let tick = p.step / TICKS as f64;
@@ -371,6 +411,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     with_derivatives(&p, data)?;
     free_swings(data)?;
     late_errors(&p, data)?;
+    other_masses(&p, data)?;
     given_motion(&p, steps, data)
 }
 
@@ -480,6 +521,27 @@ fn late_errors(p: &Packed, data: &Data) -> Result<()> {
     });
     let head = format!("system | master | coupling | {}", parts.join(" | "));
     data.table("settling", &head, &rows)
+}
+
+/// Errors of pairs of other masses than the packed one.
+fn other_masses(p: &Packed, data: &Data) -> Result<()> {
+    let rows = of_masses(p)?.into_iter().map(|found| {
+        let OfMass {
+            known, automatic, ..
+        } = found;
+        format!(
+            "{} | {:?} | {} | {} | {} | {} | {}",
+            found.share,
+            found.master,
+            found.theta,
+            cell(known.map(|e| e.take_up)),
+            cell(automatic.map(|e| e.take_up)),
+            cell(known.map(|e| e.steady)),
+            cell(automatic.map(|e| e.steady)),
+        )
+    });
+    let head = "mass over the packed one | master | theta | known, % | automatic, % | known, steady, % | automatic, steady, %";
+    data.table("masses", head, &rows.collect::<Vec<_>>())
 }
 
 /// Departure of automatic coupling from held loads along a given motion.

@@ -66,10 +66,8 @@ const PATIENCE: usize = 6;
 /// than steel, and rotors heavier than gears.
 const MOBILITY: [f64; 2] = [0.02, 20.0];
 const NO_MOBILITY: f64 = 0.01;
-/// Share of the mobility that the models depart from below which they depart anew from the one found, and evidence for loads below
-/// which the motion is given and shows none.
+/// The models depart anew from the mobility found where it is below this share of the one that they depart from.
 const HEAVIER: f64 = 0.3;
-const GIVEN: f64 = -30.0;
 
 /// Steps that differ by less, relatively, are alike.
 const ALIKE: f64 = 1e-6;
@@ -93,6 +91,20 @@ impl Lag {
             Self::None => 0,
             Self::One => 1,
         }
+    }
+
+    /// Of bodies that go on with their velocities, in steps of `length` s.
+    pub(super) fn drift(self, length: f64) -> Ahead {
+        let outlook = Outlook {
+            free: [0.0; 2],
+            slope: 0.0,
+            mobility: [0.0; 2],
+        };
+        let given = match self {
+            Self::None => None,
+            Self::One => Some([0.0; 2]),
+        };
+        (outlook, given, length)
     }
 }
 
@@ -287,7 +299,7 @@ pub(super) struct Master {
 }
 
 impl Master {
-    /// At the start, where `force` (N) was read already; `lag` where it is known. The gears alone have the mobility `given`, 1/kg, about.
+    /// At the start, where `force` (N) was read already; `lag` where it is known. The gears alone have about the mobility `given`, 1/kg.
     pub fn new(lag: Option<Lag>, force: f64, given: f64) -> Self {
         Self {
             lag,
@@ -368,7 +380,7 @@ impl Master {
                     steps: self.steps,
                     change: self.change,
                     evidence: [0.0, SETTLED],
-                    mobility: w,
+                    rows: self.rows,
                     ..Self::new(None, 0.0, self.given)
                 };
             }
@@ -403,8 +415,9 @@ impl Master {
         let [of_lag, of_loads] = self.evidence;
         let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
         let [found, _] = self.mobility(likely);
-        if of_loads > GIVEN && found > 0.0 && found < HEAVIER * self.mobility {
-            self.mobility = found.max(NO_MOBILITY * self.mobility);
+        let next = found.max(NO_MOBILITY * self.given);
+        if of_loads > 0.0 && found > 0.0 && next < HEAVIER * self.mobility {
+            self.mobility = next;
             self.models = [Model::default(); 2];
         }
     }

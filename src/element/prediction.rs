@@ -53,7 +53,7 @@ pub struct StepRequest {
     pub coupling: Coupling,
     /// Length of the step, s, > 0.
     pub length: f64,
-    /// Effective mass of the gears along the line of action, kg, about; 0: that of both as discs.
+    /// Effective mass of the gears along the line of action, kg, about. 0: that of both as discs, and bodies that are in the first step go on with their velocities.
     pub effective_mass: f64,
 }
 
@@ -195,8 +195,12 @@ impl Element {
         let now = (prediction.loads, force);
         let mut given = force;
         let starts = history.master.steps() == 0;
-        if let Some(lag) = history.master.lag.filter(|_| !starts) {
-            let (found, next, length) = history.master.ahead(lag, request.length);
+        if let Some(lag) = (history.master.lag).filter(|_| !starts || request.effective_mass == 0.0)
+        {
+            let (found, next, length) = match starts {
+                true => lag.drift(request.length),
+                false => history.master.ahead(lag, request.length),
+            };
             let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
             let report = &mut history.report;
             if found.mobility[0] > LEAST_MOBILITY * mobility {

@@ -8,16 +8,17 @@ mod energy {
     fn a_gear_in_six_freedoms_keeps_its_energy_in_the_conjugate_formulation_alone() {
         let drift = |formulation| {
             let parameters = choice(formulation, Interpolation::Spline);
-            let run = long_run(&Case::sampled(), parameters, 40_000).unwrap();
-            run.error
+            long_run(&Case::sampled(), parameters, 40_000).unwrap()
         };
         let conjugate = drift(Formulation::Conjugate);
         let paper = drift(Formulation::Paper);
+        assert_eq!(conjugate.steps, 40_000);
         assert!(
-            conjugate < 1e-5,
-            "conjugate: {conjugate:.1e} of the kinetic energy"
+            conjugate.error < 1e-5,
+            "conjugate: {:.1e} of the kinetic energy",
+            conjugate.error
         );
-        assert!(paper > 1e-2, "paper: {paper:.1e}");
+        assert!(paper.error > 1e-2, "paper: {:.1e}", paper.error);
     }
 }
 
@@ -130,7 +131,7 @@ mod masters {
         }
     }
 
-    /// Of the packed mass a fifth to thirty times.
+    /// Masses from a fifth to ten times the packed one.
     #[test]
     fn without_being_told_the_master_loads_of_lighter_and_heavier_gears_settle_as_those_of_a_known_one()
      {
@@ -140,7 +141,7 @@ mod masters {
             let [known, found] = [mass.known, mass.automatic].map(errors);
             // Until the master is known held loads set the mesh swinging.
             assert!(found.take_up < known.take_up + 4.0, "{mass:?}");
-            assert!(found.steady < 1.3 * known.steady + 1.2, "{mass:?}");
+            assert!(found.steady < known.steady + 2.0, "{mass:?}");
         }
     }
 
@@ -284,7 +285,7 @@ mod masters {
     #[test]
     fn along_a_given_motion_automatic_loads_are_held_ones() {
         let p = Packed::new(TABLES[2]).unwrap();
-        for steps in [40.0, 160.0] {
+        for steps in STEPS {
             assert_eq!(given(&p, steps, ALIKE).unwrap(), 0.0, "{steps}");
         }
     }

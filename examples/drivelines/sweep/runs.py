@@ -15,7 +15,16 @@ from gearmesh import GearPair, Turning, integrate
 
 INERTIA = 1.5e-3  # kg m^2, of gear 2
 SETTLE, MEASURE, STEP = 6e-3, 4e-3, 5e-6  # s; the slowest speed, 1000 rpm, has a mesh period of 3.75 ms
-_units: dict[str, list[GearPair]] = {}
+
+
+class Units(dict[str, list[GearPair]]):
+    """Instances of this process, by FMU: others get none of them."""
+
+    def __reduce__(self) -> tuple[type[Units], tuple[()]]:
+        return Units, ()
+
+
+_units = Units()
 
 
 def units(fmu: bytes, count: int) -> list[GearPair]:

@@ -176,7 +176,7 @@ pub(super) fn form(text: &str, path: &str, error: &serde_json::Error) -> Misform
         _ => match said.split_once(", expected ") {
             Some((given, "an array of length 2")) => mistyped(given, two_numbers(&field)),
             Some((given, expected)) => mistyped(given, expected),
-            None if field == "." && text.starts_with('<') => {
+            None if field == "." && text.trim_start().starts_with('<') => {
                 "this is XML and no pair file; `gearmesh new --rexs` makes a pair file of a REXS file".into()
             }
             None if said == "trailing characters" && field != "." => format!(

@@ -52,9 +52,10 @@ impl<'a> Draft<'a> {
         Ok(None)
     }
 
-    /// The flank of gear `i` that bears the load, `left` or `right`, and where from. Flanks of one name mesh.
-    pub(super) fn loaded_flank(&self, i: usize) -> Option<(&'static str, String)> {
-        [i, 1 - i].into_iter().find_map(|gear| {
+    /// The flank that bears the load, `left` or `right`, and where from. Flanks of one name mesh.
+    pub(super) fn loaded_flank(&self) -> Option<(&'static str, String)> {
+        // Where they contradict each other, gear 1 counts.
+        [0, 1].into_iter().find_map(|gear| {
             self.gear_data(gear).into_iter().find_map(|c| {
                 let attribute = c.attribute("loaded_tooth_flank")?;
                 let shown = attribute.shown();

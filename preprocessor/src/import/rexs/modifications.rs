@@ -19,7 +19,7 @@ impl<'a> Draft<'a> {
             return Ok(());
         }
         let gear = i + 1;
-        let (head, side, line) = match self.loaded_flank(i) {
+        let (head, side, line) = match self.loaded_flank() {
             Some((side, origin)) => {
                 let line =
                     format!("gear{gear}: the {side} flank is the drive flank, from {origin}");

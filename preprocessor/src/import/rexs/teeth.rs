@@ -261,7 +261,9 @@ impl Draft<'_> {
             let nominal = value.value.abs();
             match self.deviations(i, &ends)? {
                 Some(deviations) => {
-                    let limits = interval(deviations.map(|deviation| nominal + deviation));
+                    // Of a negative length allowances are those of that number.
+                    let [a, b] = deviations.map(|deviation| (value.value + deviation).abs());
+                    let limits = interval([a.min(b), a.max(b)]);
                     let line = format!(
                         "{name}.{measure} = {limits} from {} = {nominal} and {}",
                         value.origin,
@@ -280,18 +282,28 @@ impl Draft<'_> {
         Ok(false)
     }
 
-    /// Deviations of gear `i` under the two names, mm, the lower one first; none where one of them is not given.
-    fn deviations(&self, i: usize, names: &[String; 2]) -> Result<Option<[f64; 2]>> {
+    /// Deviations of gear `i` under the two names, mm, the lower one first; none, with a warning, where one is missing or they are not in order.
+    fn deviations(&mut self, i: usize, names: &[String; 2]) -> Result<Option<[f64; 2]>> {
         let [low, high] = names.each_ref().map(|name| first(&self.teeth[i], &[name]));
-        Ok(match (low?, high?) {
-            (Some(low), Some(high)) if low.value <= high.value => Some([low.value, high.value]),
-            _ => None,
-        })
+        match (low?, high?) {
+            (None, None) => return Ok(None),
+            (Some(low), Some(high)) if low.value <= high.value => {
+                return Ok(Some([low.value, high.value]));
+            }
+            _ => (),
+        }
+        let line = format!(
+            "{} of gear {} are left out: a lower one and an upper one that is no less are needed",
+            names.join(", "),
+            i + 1
+        );
+        self.account.add(Head::Warning, line);
+        Ok(None)
     }
 
     /// s_n of gear `i` with its deviations as the file gives them, in the normal section or the transverse one, and where from.
     fn thickness_given(
-        &self,
+        &mut self,
         i: usize,
         basic: &Basic,
         fields: &Fields,
@@ -317,7 +329,8 @@ impl Draft<'_> {
                     let limits = |base: f64| deviations.map(|d| rounded(base + scale * d));
                     // Programs write the thickness without its deviations, or one that has them.
                     let [low, high] = limits(nominal);
-                    let base = if (low..=high).contains(&s_n) {
+                    let slack = ROUNDING_OF_THICKNESS;
+                    let base = if (low - slack..=high + slack).contains(&s_n) {
                         nominal
                     } else {
                         s_n

@@ -331,9 +331,9 @@ pub struct OfMass {
 }
 
 /// Shares of the packed mass.
-const MASSES: [f64; 8] = [0.18, 0.25, 0.35, 0.5, 1.0, 3.0, 10.0, 30.0];
+const MASSES: [f64; 7] = [0.18, 0.25, 0.35, 0.5, 1.0, 3.0, 10.0];
 
-/// Pairs of a fifth to thirty times the packed mass at 160 packed steps a mesh cycle, under masters that move the bodies exactly or set velocities first.
+/// Pairs of a fifth to ten times the packed mass at 160 packed steps a mesh cycle, under masters that move the bodies exactly or set velocities first.
 pub fn of_masses(p: &Packed) -> Result<Vec<OfMass>> {
     let mut all = vec![];
     for share in MASSES {

@@ -1,6 +1,6 @@
 //! The elastic models of both gears and the contact solver on them.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use crate::compliance::ToothCompliance;
@@ -166,13 +166,22 @@ impl ElasticModels {
     }
 }
 
-/// Reports to `progress` how far the models are that `model` names.
+/// Reports to `progress` how far the models are that `model` names: of two gears at once the one that is behind.
 fn report<'a>(
     model: &'a str,
     progress: StageProgress<'a>,
 ) -> impl Fn(usize, Stage, f64) -> bool + Sync + 'a {
+    let last: Mutex<[Option<(Stage, f64)>; 2]> = Mutex::new([None; 2]);
     move |gear, stage, share| {
-        progress(&format!("{model} of gear {}: {stage}", gear + 1), share);
+        let now = Some((stage, share));
+        let other = {
+            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+            last[gear] = now;
+            last[1 - gear]
+        };
+        if other.is_none() || now <= other {
+            progress(&format!("{model} of gear {}: {stage}", gear + 1), share);
+        }
         true
     }
 }

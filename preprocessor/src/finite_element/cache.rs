@@ -22,7 +22,7 @@ use std::time::SystemTime;
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0006\r\n";
 
 /// Changes with what is computed of section and layers: a method, or a constant that they do not show. What was kept is then not found.
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 
 /// How many bytes of the magic line all versions share: these tell a file of this cache from others.
 const COMMON: usize = MAGIC.len() - b"0006\r\n".len();

@@ -17,6 +17,7 @@ use super::mesh::{LoadColumn, Mesh};
 use super::periodic_body::PeriodicBody;
 use super::sector_nodes::SectorNodes;
 use nalgebra::DMatrix;
+use std::sync::{Mutex, PoisonError};
 
 pub(super) struct CondensedSector {
     /// Stiffness of both sides, side 0 first, and of the nodes between them at which the body begins, N/m; lower triangle valid.
@@ -53,7 +54,7 @@ pub(super) fn condense(
     );
     let own = fronts.root.own.len();
     let numbers = fronts.root.numbers.max((own + columns.len()).pow(2));
-    check_memory(size_of::<f64>() * numbers)?;
+    let _promised = Promised::new(size_of::<f64>() * numbers)?;
 
     let front = Elimination::<1>::new(&fronts, &|element| mesh.moved_stiffness(element), progress)
         .assembled(&fronts.root)?;
@@ -89,15 +90,32 @@ impl CondensedSector {
     }
 }
 
-/// Refuses work that takes `bytes` where the system says that it has less left: one that grants more ends the program later.
-fn check_memory(bytes: usize) -> Result<(), FiniteElementError> {
-    let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    match available(&state) {
-        Some(available) if bytes > available => Err(FiniteElementError::Memory {
-            needed_gb: 1e-9 * bytes as f64,
-            available_gb: 1e-9 * available as f64,
-        }),
-        _ => Ok(()),
+/// Bytes of all [`Promised`].
+static PROMISED: Mutex<usize> = Mutex::new(0);
+
+/// Memory for work that goes on, next to that of other threads.
+struct Promised(usize);
+
+impl Promised {
+    /// Refuses work that takes `bytes` where the system says that it has less left: one that grants more ends the program later.
+    fn new(bytes: usize) -> Result<Promised, FiniteElementError> {
+        let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+        let mut promised = PROMISED.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = available(&state).map(|available| available.saturating_sub(*promised));
+        if let Some(left) = left.filter(|left| bytes > *left) {
+            return Err(FiniteElementError::Memory {
+                needed_gb: 1e-9 * bytes as f64,
+                available_gb: 1e-9 * left as f64,
+            });
+        }
+        *promised += bytes;
+        Ok(Promised(bytes))
+    }
+}
+
+impl Drop for Promised {
+    fn drop(&mut self) {
+        *PROMISED.lock().unwrap_or_else(PoisonError::into_inner) -= self.0;
     }
 }
 
@@ -186,8 +204,19 @@ mod tests {
         let state = "MemTotal:       24576000 kB\nMemFree:  1 kB\nMemAvailable:   20480000 kB\n";
         assert_eq!(available(state), Some(20_971_520_000));
         assert_eq!(available(""), None);
-        check_memory(1 << 20).unwrap();
-        let error = check_memory(1 << 60).unwrap_err().to_string();
+        let _little = Promised::new(1 << 20).unwrap();
+        let error = Promised::new(1 << 60).err().unwrap().to_string();
         assert!(error.contains("1152921504.6 GB"), "{error}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn memory_that_is_promised_is_not_promised_again_until_that_work_is_done() {
+        let state = std::fs::read_to_string("/proc/meminfo").unwrap();
+        let most = available(&state).unwrap() / 10 * 6;
+        let first = Promised::new(most).unwrap();
+        assert!(Promised::new(most).is_err());
+        drop(first);
+        Promised::new(most).unwrap();
     }
 }

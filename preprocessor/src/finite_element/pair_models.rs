@@ -105,10 +105,10 @@ pub fn pair_root_stress(
 
 /// What `model` gives of the first and the second gear; of gears that are alike the same. Models are in canonical coordinates: hand
 /// and axial position do not matter.
-fn both<T>(
+fn both<T: Send + Sync>(
     gears: &[Gear; 2],
     progress: &PairProgress<'_>,
-    model: impl Fn(&Gear, &Progress<'_>) -> Result<(T, Origin), FiniteElementError>,
+    model: impl Fn(&Gear, &Progress<'_>) -> Result<(T, Origin), FiniteElementError> + Sync,
 ) -> Result<PairModels<T>, FiniteElementError> {
     let [first, second] = gears.each_ref().map(|gear| Gear {
         hand: 1.0,
@@ -116,13 +116,22 @@ fn both<T>(
         ..gear.clone()
     });
     let alike = first == second;
-    let (first, first_origin) = model(&gears[0], &|stage, share| progress(0, stage, share))?;
+    let of = |i: usize| model(&gears[i], &|stage, share| progress(i, stage, share));
+    // At once: each leaves threads idle now and then.
+    let (first, second) = rayon::join(|| of(0), || (!alike).then(|| of(1)));
+    // Memory may do for one after the other.
+    let again = |i: usize, found| match found {
+        Err(FiniteElementError::Memory { .. }) => of(i),
+        found => found,
+    };
+    let (first, first_origin) = again(0, first)?;
     let first = Arc::new(first);
-    let (second, second_origin) = if alike {
-        (first.clone(), first_origin.clone())
-    } else {
-        let (second, origin) = model(&gears[1], &|stage, share| progress(1, stage, share))?;
-        (Arc::new(second), origin)
+    let (second, second_origin) = match second {
+        Some(second) => {
+            let (second, origin) = again(1, second)?;
+            (Arc::new(second), origin)
+        }
+        None => (first.clone(), first_origin.clone()),
     };
     Ok(PairModels {
         gears: [first, second],

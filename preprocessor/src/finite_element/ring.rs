@@ -24,8 +24,9 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-/// What is left out of the side loads over their largest product with a vector of random numbers.
-pub(super) const LEFT_OUT: f64 = 2e-7;
+/// What is left out of the side loads over their largest product with a vector of random numbers. It is loads on neighbouring nodes
+/// in turn, under which the ring hardly moves: the transmission error changes by less than a ten millionth.
+pub(super) const LEFT_OUT: f64 = 1e-5;
 const BLOCK: usize = 64;
 
 /// Response of the functionals of `sector` (of its loads where it has none) to unit loads on sector 0, m/N: for each k of `sectors` a
@@ -259,7 +260,7 @@ fn of_harmonic(
 /// load brings, modes by loads.
 ///
 /// The flank is some way off the sides, so that loads on neighbouring nodes act on them nearly alike (Saint-Venant):
-/// of two thousand flank nodes a quarter are told apart to seven digits. Q is found from products of G with random vectors (Halko,
+/// of a thousand flank nodes four hundred are told apart to five digits. Q is found from products of G with random vectors (Halko,
 /// Martinsson, Tropp, SIAM Review 53, 2011, algorithm 4.2), the same ones in every run.
 fn side_modes(g: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
     let (rows, loads) = (g.nrows(), g.ncols());
@@ -426,7 +427,7 @@ mod tests {
         let (modes, shares) = side_modes(&g);
         let few = modes.ncols();
         assert!(few < 100, "{few}");
-        assert!((&modes * shares - g).amax() < 1e-7);
+        assert!((&modes * shares - g).amax() < LEFT_OUT);
         assert!((modes.transpose() * modes - DMatrix::identity(few, few)).amax() < 1e-12);
         // Loads that are all different keep all their modes.
         let g = DMatrix::from_fn(40, 30, |i, j| f64::from(u8::from(i == j)));

@@ -58,8 +58,7 @@ def _from_report(folder: Path, file: str, title: str, caption: str) -> str:
 def _table(results: Results) -> str:
     head = "<tr><th>quantity</th><th>paper</th><th>gearmesh</th><th>reason for the difference</th></tr>"
     body = "\n".join(
-        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in (r.quantity, r.paper, r.ours, r.reason)) + "</tr>"
-        for r in comparison.rows(results)
+        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in comparison.rows(results)
     )
     return f"<table>{head}\n{body}</table>"
 

@@ -14,57 +14,34 @@ type Chapter = fn(&Context, &Data) -> Result<()>;
 
 const MACHINE: Chapter = |_, data| timing::machine(data);
 
-const FOLDERS: [(&str, &[(&str, Chapter)]); 5] = [
-    (
-        "stability",
-        &[
-            ("energy", stability::energy::report),
-            ("oscillator", stability::oscillator::report),
-            ("rattle", stability::rattle::report),
-            ("cosimulation", stability::cosimulation::report),
-            ("masters", stability::masters::report),
-            ("continuity", stability::continuity::report),
-        ],
-    ),
-    (
-        "finite-elements",
-        &[
-            ("machine", MACHINE),
-            ("plane-strain", finite_elements::plane::report),
-            ("reference", finite_elements::reference::report),
-            ("convergence", finite_elements::convergence::report),
-            ("held", finite_elements::held::report),
-            ("levels", finite_elements::levels),
-            ("cost", finite_elements::cost::report),
-            ("mesh", finite_elements::mesh::report),
-        ],
-    ),
-    (
-        "speed-accuracy",
-        &[
-            ("machine", MACHINE),
-            ("interpolants", speed_accuracy::interpolants::report),
-            ("instances", speed_accuracy::instances::report),
-            ("cost-per-second", speed_accuracy::hosts::cost),
-            ("run-up", speed_accuracy::run_up::report),
-            ("levels", speed_accuracy::levels::report),
-        ],
-    ),
-    (
-        "contact-at-run-time",
-        &[
-            ("index-errors", contact_at_run_time::index_errors::report),
-            ("stations", contact_at_run_time::stations::report),
-            ("cost", contact_at_run_time::cost::report),
-        ],
-    ),
-    (
-        "tables",
-        &[
-            ("bodies", tables::bodies::report),
-            ("edges", tables::edges::report),
-        ],
-    ),
+/// By folder of docs/data and name, a line each.
+#[rustfmt::skip]
+const CHAPTERS: &[(&str, &str, Chapter)] = &[
+    ("stability", "energy", stability::energy::report),
+    ("stability", "oscillator", stability::oscillator::report),
+    ("stability", "rattle", stability::rattle::report),
+    ("stability", "cosimulation", stability::cosimulation::report),
+    ("stability", "masters", stability::masters::report),
+    ("stability", "continuity", stability::continuity::report),
+    ("finite-elements", "machine", MACHINE),
+    ("finite-elements", "plane-strain", finite_elements::plane::report),
+    ("finite-elements", "reference", finite_elements::reference::report),
+    ("finite-elements", "convergence", finite_elements::convergence::report),
+    ("finite-elements", "held", finite_elements::held::report),
+    ("finite-elements", "levels", finite_elements::levels),
+    ("finite-elements", "cost", finite_elements::cost::report),
+    ("finite-elements", "mesh", finite_elements::mesh::report),
+    ("speed-accuracy", "machine", MACHINE),
+    ("speed-accuracy", "interpolants", speed_accuracy::interpolants::report),
+    ("speed-accuracy", "instances", speed_accuracy::instances::report),
+    ("speed-accuracy", "cost-per-second", speed_accuracy::hosts::cost),
+    ("speed-accuracy", "run-up", speed_accuracy::run_up::report),
+    ("speed-accuracy", "levels", speed_accuracy::levels::report),
+    ("contact-at-run-time", "index-errors", contact_at_run_time::index_errors::report),
+    ("contact-at-run-time", "stations", contact_at_run_time::stations::report),
+    ("contact-at-run-time", "cost", contact_at_run_time::cost::report),
+    ("tables", "bodies", tables::bodies::report),
+    ("tables", "edges", tables::edges::report),
 ];
 
 /// Measures what docs/ says of gearmesh.
@@ -98,21 +75,17 @@ fn main() -> Result<()> {
     let chosen = arguments.chapters;
     let data = arguments.data.unwrap_or_else(|| in_repository("docs/data"));
     let start = Instant::now();
-    let mut known = vec![];
-    for (folder, chapters) in FOLDERS {
-        for (chapter, run) in chapters {
-            known.push((format!("{folder}/{chapter}"), folder, run));
-        }
-    }
-    let chosen_names = |name: &str| chosen.iter().any(|begin| name.starts_with(begin));
+    let names = CHAPTERS
+        .iter()
+        .map(|(folder, chapter, _)| format!("{folder}/{chapter}"));
+    let names: Vec<String> = names.collect();
     for begin in &chosen {
-        if !known.iter().any(|(name, ..)| name.starts_with(begin)) {
-            let names: Vec<_> = known.iter().map(|(name, ..)| name.as_str()).collect();
+        if !names.iter().any(|name| name.starts_with(begin)) {
             return Err(format!("{begin}: no such chapter, only {}", names.join(", ")).into());
         }
     }
-    for (name, folder, run) in &known {
-        if chosen.is_empty() || chosen_names(name) {
+    for (name, (folder, _, run)) in names.iter().zip(CHAPTERS) {
+        if chosen.is_empty() || chosen.iter().any(|begin| name.starts_with(begin)) {
             eprintln!("[{:6.1} s] {name}", start.elapsed().as_secs_f64());
             run(&context, &Data(data.join(folder)))?;
         }

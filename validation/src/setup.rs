@@ -5,7 +5,7 @@
 mod gears;
 
 use crate::{Result, in_repository};
-use gearmesh::contact::{ContactFile, ContactSettings};
+use gearmesh::contact::{ContactFile, ContactSettings, Prescribed};
 use gearmesh::gear::{Flank, GearKind, PairGeometry};
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile, TeethRecord};
@@ -110,21 +110,7 @@ pub fn ste(solver: &ContactSolver, torque: f64, positions: usize) -> Result<[f64
 
 /// The point at `delta` (m) and the mesh position `tau`, else nominal.
 pub fn query(delta: f64, tau: f64) -> Query {
-    Query {
-        delta,
-        center_distance_offset: 0.0,
-        misalignment: 0.0,
-        mesh_position: tau,
-    }
-}
-
-/// Ranges of random operating points: torque N m, centre distance offset m, misalignment rad, mesh position.
-#[derive(Debug, Clone, Copy)]
-pub struct Ranges {
-    pub torque: [f64; 2],
-    pub center_distance_offset: [f64; 2],
-    pub misalignment: [f64; 2],
-    pub mesh_position: [f64; 2],
+    Query::from([delta, 0.0, 0.0, tau])
 }
 
 /// One solution of the contact solver: at `query.delta` the force and the shuttling moment are these.
@@ -199,19 +185,6 @@ impl Setup {
         Ok(self.nominal(0.0)?.approach)
     }
 
-    /// The whole operating range in the first `dimensions` of displacement, mesh position,
-    /// misalignment, centre distance; the others nominal.
-    pub fn ranges(&self, dimensions: usize) -> Ranges {
-        let operating = &self.pair.operating;
-        let on = |d: usize, range: [f64; 2]| if dimensions >= d { range } else { [0.0; 2] };
-        Ranges {
-            torque: [0.0, operating.maximum_torque],
-            center_distance_offset: on(4, operating.center_distance_offset),
-            misalignment: on(3, operating.misalignment),
-            mesh_position: on(2, [0.0, 1.0]),
-        }
-    }
-
     /// The whole operating range.
     pub fn coverage(&self) -> Coverage {
         Coverage::new(&self.pair, true, true)
@@ -234,22 +207,28 @@ impl Setup {
         Ok(position.solve_torque(torque, misalignment, None)?)
     }
 
-    /// Direct solutions at `n` random points of `ranges`.
-    pub fn exact(&self, ranges: &Ranges, n: usize) -> Result<Vec<Exact>> {
+    /// Direct solutions at `n` random points of the operating range.
+    pub fn exact(&self, n: usize) -> Result<Vec<Exact>> {
+        let operating = &self.pair.operating;
         let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
         let mut draw = |_| {
-            let torque = random.within(ranges.torque);
-            let query = Query {
-                delta: 0.0,
-                center_distance_offset: random.within(ranges.center_distance_offset),
-                misalignment: random.within(ranges.misalignment),
-                mesh_position: random.within(ranges.mesh_position),
-            };
-            (torque, query)
+            let torque = random.within([0.0, operating.maximum_torque]);
+            let offset = random.within(operating.center_distance_offset);
+            let misalignment = random.within(operating.misalignment);
+            (
+                torque,
+                Query::from([0.0, offset, misalignment, random.next()]),
+            )
         };
-        let drawn: Vec<_> = (0..n).map(&mut draw).collect();
+        self.exact_at((0..n).map(&mut draw).collect())
+    }
+
+    /// Direct solutions under torques (N m) at points of which the approach follows, beyond the operating range, too.
+    pub fn exact_at(&self, points: Vec<(f64, Query)>) -> Result<Vec<Exact>> {
         let solve = |(torque, query): (f64, Query)| {
-            let solved = self.solve(torque, &query)?;
+            let [_, offset, misalignment, tau] = query.coordinates();
+            let position = self.solver.position(Flank::Drive, tau, offset)?;
+            let solved = position.solve_beyond(Prescribed::Torque(torque), misalignment, None)?;
             let (delta, force, moment) = (solved.approach, solved.loa_force, solved.moment);
             let query = Query { delta, ..query };
             Ok(Exact {
@@ -258,7 +237,7 @@ impl Setup {
                 moment,
             })
         };
-        drawn.into_par_iter().map(solve).collect()
+        points.into_par_iter().map(solve).collect()
     }
 
     /// The default axes thinned to `counts` (displacement, centre distance, misalignment, mesh position) nodes; 1 leaves

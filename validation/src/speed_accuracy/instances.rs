@@ -15,7 +15,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     for _ in 0..INSTANCES[INSTANCES.len() - 1] {
         own.push(FlankTable::new(grid, Interpolation::Spline)?);
     }
-    let exact = setup.exact(&setup.ranges(4), POINTS)?;
+    let exact = setup.exact(POINTS)?;
     let mut candidates = vec![];
     for n in INSTANCES {
         for own in [&own[..1], &own[..n]] {

@@ -56,7 +56,7 @@ const GRIDS: [[usize; 4]; 7] = [
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     let sampled = Sampled::of(context)?;
     let (setup, samples) = (&sampled.setup, &sampled.grid);
-    let exact = setup.exact(&setup.ranges(4), points(context))?;
+    let exact = setup.exact(points(context))?;
     let mut outcomes = vec![];
     for steps in GRIDS {
         let grid = thinned(samples, steps);

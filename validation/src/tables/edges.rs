@@ -2,15 +2,13 @@
 
 use super::pairs;
 use crate::data::{Data, largest, rms};
-use crate::setup::{SHIPPED, Setup, shipped_at};
+use crate::setup::{Exact, SHIPPED, Setup, shipped_at};
 use crate::{Context, Result};
-use gearmesh::contact::Prescribed;
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::table::{Axes, FlankTable, Interpolation, Query};
 use gearmesh_preprocessor::gear::{Pair, Refinement};
 use gearmesh_preprocessor::table::{default_axes, misalignments, sweep};
-use rayon::prelude::*;
 
 /// Parts of a limit at which tables are measured.
 const PARTS: [f64; 4] = [1.0001, 1.1, 1.2, 1.5];
@@ -31,15 +29,6 @@ const LIMITS: [[Limit; 2]; 2] = [
     [Limit::Misalignment(0), Limit::Misalignment(1)],
     [Limit::CenterDistance(0), Limit::CenterDistance(1)],
 ];
-
-/// One solution of the contact solver.
-#[derive(Debug, Clone, Copy)]
-struct Point {
-    /// At its approach.
-    query: Query,
-    force: f64,
-    moment: f64,
-}
 
 /// Errors of a table at a point under its force.
 #[derive(Debug, Clone, Copy)]
@@ -105,25 +94,11 @@ impl Subject {
 
     /// Errors at points given by torque and pose.
     fn errors(&self, drawn: Vec<(f64, Query)>) -> Result<Vec<Errors>> {
-        let solved = |(torque, query): (f64, Query)| {
-            let [_, c, m, p] = query.coordinates();
-            let position = self.setup.solver.position(Flank::Drive, p, c)?;
-            let torque = Prescribed::Torque(torque);
-            let found = position.solve_beyond(torque, m, None)?;
-            let point = Point {
-                query: Query {
-                    delta: found.approach,
-                    ..query
-                },
-                force: found.loa_force,
-                moment: found.moment,
-            };
-            Ok(self.error(&point))
-        };
-        drawn.into_par_iter().map(solved).collect()
+        let exact = self.setup.exact_at(drawn)?;
+        Ok(exact.iter().map(|point| self.error(point)).collect())
     }
 
-    fn error(&self, point: &Point) -> Errors {
+    fn error(&self, point: &Exact) -> Errors {
         let exact = point.query;
         let delta = self.table.approach_at(point.force, &exact);
         let found = self.table.evaluate(&Query { delta, ..exact }, false);

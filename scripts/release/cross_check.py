@@ -1,26 +1,18 @@
 """Material by which tools that import FMUs are checked, as the FMI project asks for it: signals, reference, options.
 
-    python -m scripts.release.cross_check FMU... --out FOLDER
-
 The inputs are a quarter of a revolution of gear 1 under nominal torque, with tilt and a moving centre distance.
 """
 
 from __future__ import annotations
 
-import argparse
 import shutil
-import sys
 from pathlib import Path
 
 import fmpy
 import numpy as np
 
-from .tools import ROOT
-
-sys.path.insert(0, str(ROOT))
-
-from examples.hosts.compare import outputs  # noqa: E402
-from examples.hosts.scenario import STEP, Scenario, reference, revolution, write_table  # noqa: E402
+from examples.hosts.compare import outputs
+from examples.hosts.scenario import STEP, Scenario, reference, revolution, write_table
 
 STEPS = 256
 README = """# {name}
@@ -37,55 +29,32 @@ ROWS = {
 }
 
 
-def nominal_torque(fmu: Path) -> float:
-    """On gear 1, N m, as packed."""
-    variables = fmpy.read_model_description(str(fmu)).modelVariables
-    return next(float(v.start) for v in variables if v.name == "nominalTorque")
-
-
 def held(rows: np.ndarray) -> np.ndarray:
     """Rows of Co-Simulation from those of the inputs: the first after initialisation, the others a step later."""
     return np.vstack([rows[:1], rows[:-1]])
 
 
-def write(fmu: Path, scenario: Scenario, rows: np.ndarray, interface: str, out: Path) -> None:
+def write(fmu: Path, scenario: Scenario, rows: np.ndarray, interface: str, about: dict, out: Path) -> None:
     """The files for one FMU and one interface."""
     name = fmu.stem
     out.mkdir(parents=True)
     shutil.copy(fmu, out)
     scenario.write(out / f"{name}_in.csv")
     values = held(rows) if interface == "cs" else rows
-    write_table(
-        out / f"{name}_ref.csv", ["time", *outputs(fmu)], np.column_stack([scenario.times, values])
-    )
-    (out / f"{name}_ref.opt").write_text(
-        f"StartTime,0.0\nStopTime,{float(scenario.times[-1])!r}\nStepSize,{STEP!r}\nRelTol,1e-9\n"
-    )
-    version = fmpy.read_model_description(str(fmu)).version
-    (out / "README.md").write_text(
-        README.format(name=name, version=version, torque=nominal_torque(fmu), rows=ROWS[interface])
-    )
+    write_table(out / f"{name}_ref.csv", ["time", *outputs(fmu)], np.column_stack([scenario.times, values]))
+    (out / f"{name}_ref.opt").write_text(f"StartTime,0.0\nStopTime,{float(scenario.times[-1])!r}\nStepSize,{STEP!r}\nRelTol,1e-9\n")
+    (out / "README.md").write_text(README.format(name=name, rows=ROWS[interface], **about))
 
 
 def material(fmus: list[Path], out: Path) -> None:
     """For each FMU, interface and platform a folder as the FMI project names it."""
     for fmu in fmus:
-        scenario = revolution(fmu, nominal_torque(fmu), 0.25, STEPS)
-        rows = reference(fmu, scenario, outputs(fmu))
-        version = fmpy.read_model_description(str(fmu)).version
+        description = fmpy.read_model_description(str(fmu))
+        # On gear 1, N m, as packed.
+        torque = next(float(v.start) for v in description.modelVariables if v.name == "nominalTorque")
+        scenario = revolution(fmu, torque, 0.25, STEPS)
+        rows, about = reference(fmu, scenario, outputs(fmu)), {"version": description.version, "torque": torque}
         for interface in ("cs", "me"):
             for platform in fmpy.supported_platforms(str(fmu)):
-                place = Path("2.0", interface, platform, "gearmesh", version, fmu.stem)
-                write(fmu, scenario, rows, interface, out / place)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("fmus", nargs="+", type=Path, metavar="FMU")
-    parser.add_argument("--out", required=True, type=Path, help="folder to be made")
-    arguments = parser.parse_args()
-    material(arguments.fmus, arguments.out)
-
-
-if __name__ == "__main__":
-    main()
+                place = Path("2.0", interface, platform, "gearmesh", description.version, fmu.stem)
+                write(fmu, scenario, rows, interface, about, out / place)

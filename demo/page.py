@@ -39,20 +39,12 @@ td, th { border-bottom: 1px solid #ddd; padding: 0.35rem 0.6rem; text-align: lef
 """
 
 
-def _figure(folder: Path, file: str, title: str, caption: str) -> str:
-    image = base64.b64encode((folder / file).read_bytes()).decode("ascii")
-    return (
-        f"<h2>{html.escape(title)}</h2>\n<figure>"
-        f'<img src="data:image/png;base64,{image}" alt="{html.escape(title)}">'
-        f"<figcaption>{html.escape(caption)}</figcaption></figure>"
-    )
+def _figure(title: str, caption: str, picture: str) -> str:
+    return f"<h2>{html.escape(title)}</h2>\n<figure>{picture}<figcaption>{html.escape(caption)}</figcaption></figure>"
 
 
-def _from_report(folder: Path, file: str, title: str, caption: str) -> str:
-    drawing = (folder / "report" / f"{file}.svg").read_text(encoding="utf-8")
-    return (
-        f"<h2>{html.escape(title)}</h2>\n<figure>{drawing}<figcaption>{html.escape(caption)}</figcaption></figure>"
-    )
+def _image(file: Path, title: str) -> str:
+    return f'<img src="data:image/png;base64,{base64.b64encode(file.read_bytes()).decode("ascii")}" alt="{html.escape(title)}">'
 
 
 def _table(results: Results) -> str:
@@ -65,9 +57,9 @@ def _table(results: Results) -> str:
 
 def write(results: Results, folder: Path) -> Path:
     """Writes index.html into `folder`, where the figures are, and returns its path."""
-    figures = "\n".join(
-        [*(_from_report(folder, *picture) for picture in FROM_REPORT), *(_figure(folder, f.file, f.title, f.caption) for f in FIGURES)]
-    )
+    drawn = [_figure(title, caption, (folder / "report" / f"{file}.svg").read_text(encoding="utf-8")) for file, title, caption in FROM_REPORT]
+    drawn += [_figure(f.title, f.caption, _image(folder / f.file, f.title)) for f in FIGURES]
+    figures = "\n".join(drawn)
     text = f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>gearmesh: the paper's pair</title>
 <meta name="viewport" content="width=device-width"><style>{STYLE}</style></head><body>

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse import coo_matrix, csr_matrix
 
 from flank_mesh import FlankMesh
-from hexahedra import LOCAL, shape
+from hexahedra import LOCAL, shape, spatial, tensor
 from pair import Pair
 
 GAUSS = 4  # points along a face
@@ -48,9 +48,8 @@ class Body:
         self.elastic = lam * np.einsum("ij,kl->ijkl", unit, unit) + mu * twice
         a, w = np.polynomial.legendre.leggauss(3)
         grad = shape([(p, q, -1) for p in a for q in a])[1][:, FLAT, :2]
-        jac = np.einsum("gad,eai->egdi", grad, x)
-        self.grad = np.einsum("egid,gad->egai", np.linalg.inv(jac), grad)
-        self.weight = np.abs(np.linalg.det(jac)) * np.array([p * q for p in w for q in w]) * gear.b
+        self.grad, volume = spatial(x, grad)
+        self.weight = volume * tensor(w, 2).prod(1) * gear.b
         # On the loaded flank the first local coordinate is -1; rows of the tooth run along the second.
         low, centre, high = (int(np.flatnonzero((CORNERS == [-1, s]).all(1))[0]) for s in (-1, 0, 1))
         self.flank = {}

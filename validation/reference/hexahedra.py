@@ -1,4 +1,4 @@
-"""20-node hexahedra: shape functions and stiffness, which the reference programs here have in common."""
+"""20-node hexahedra, and the stiffness of any elements, which the reference programs here have in common."""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -28,25 +28,34 @@ def shape(xi):
     return scale * product * extra, grad
 
 
-def stiffness(x, dofs, size, modulus, ratio, chunk=1000):
-    """Upper triangle (CSR) of the stiffness of elements with corners at x (elements, 20, 3); dofs (elements, 20, 3), -1: held."""
+def tensor(points, n):
+    """Points of a product of `n` rules (their weights likewise): (points, n)."""
+    return np.stack([grid.ravel() for grid in np.meshgrid(*[points] * n, indexing="ij")], 1)
+
+
+def spatial(x, grad):
+    """Gradients in space (elements, points, nodes, dimensions) and volumes (elements, points) of elements with nodes at x."""
+    jac = np.einsum("gad,eai->egdi", grad, x, optimize=True)
+    return np.einsum("egid,gad->egai", np.linalg.inv(jac), grad, optimize=True), np.abs(np.linalg.det(jac))
+
+
+def stiffness(x, dofs, size, modulus, ratio, functions=shape, chunk=1000):
+    """Upper triangle (CSR) of the stiffness of elements with nodes at x (elements, nodes, dimensions); dofs alike, -1: held."""
     lam, mu = modulus * ratio / ((1 + ratio) * (1 - 2 * ratio)), modulus / (2 * (1 + ratio))
-    a, w = np.polynomial.legendre.leggauss(3)
-    _, grad = shape([[p, q, s] for p in a for q in a for s in a])
-    weight = np.array([p * q * s for p in w for q in w for s in w])
+    (a, w), (_, nodes, n) = np.polynomial.legendre.leggauss(3), x.shape
+    _, grad = functions(tensor(a, n))
+    weight = tensor(w, n).prod(1)
     parts = []
     for i in range(0, len(x), chunk):
-        jac = np.einsum("gad,eai->egdi", grad, x[i : i + chunk], optimize=True)
-        b = np.einsum("egid,gad->egai", np.linalg.inv(jac), grad, optimize=True)
-        b *= np.sqrt(np.abs(np.linalg.det(jac)) * weight)[..., None, None]
-        b = b.reshape(len(b), len(weight), 60)
-        bb = np.matmul(b.transpose(0, 2, 1), b).reshape(-1, 20, 3, 20, 3)
+        b, volume = spatial(x[i : i + chunk], grad)
+        b = (b * np.sqrt(volume * weight)[..., None, None]).reshape(len(b), len(weight), nodes * n)
+        bb = np.matmul(b.transpose(0, 2, 1), b).reshape(-1, nodes, n, nodes, n)
         k = lam * bb + mu * bb.transpose(0, 1, 4, 3, 2)
         dot = mu * np.einsum("eaibi->eab", bb)
-        for axis in range(3):
+        for axis in range(n):
             k[:, :, axis, :, axis] += dot
-        dof = dofs[i : i + chunk].reshape(-1, 60).astype(np.int32)
-        rows, cols = np.repeat(dof[:, :, None], 60, 2).ravel(), np.repeat(dof[:, None, :], 60, 1).ravel()
+        dof = dofs[i : i + chunk].reshape(-1, nodes * n).astype(np.int32)
+        rows, cols = np.repeat(dof[:, :, None], nodes * n, 2).ravel(), np.repeat(dof[:, None, :], nodes * n, 1).ravel()
         keep = (rows >= 0) & (cols >= rows)
         parts.append((k.ravel()[keep], rows[keep], cols[keep]))
     value, rows, cols = (np.concatenate(p) for p in zip(*parts))

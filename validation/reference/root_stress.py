@@ -13,10 +13,10 @@ from math import acos, cos, hypot, pi, sin, sqrt
 
 import gmsh
 import numpy as np
-import pypardiso
-import scipy.sparse as sp
+from pypardiso import PyPardisoSolver
 from scipy.optimize import brentq
 
+from hexahedra import spatial, stiffness, tensor
 from teeth import E, NU, Gear
 
 
@@ -106,7 +106,7 @@ def mesh(gear, teeth, fine, coarse):
     return xy[used], new[quads], new[out[0]], new[out[1]]
 
 
-# Lagrange elements: line3 nodes at -1, 1, 0 as gmsh numbers them; the quadrilateral's nine in its order.
+# Lagrange elements: line3 nodes at -1, 1, 0 as gmsh numbers them; the quadrilateral's nine in its order, the solid's plane by plane.
 def line3(x):
     return np.array([x * (x - 1) / 2, x * (x + 1) / 2, 1 - x * x]), np.array([x - 0.5, x + 0.5, -2 * x])
 
@@ -114,48 +114,18 @@ def line3(x):
 QUAD = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2)]
 
 
-def shapes(xi, solid):
-    """Values and gradients of the 9 or 27 shape functions; the solid's nodes plane by plane (-1, 1, 0)."""
-    n, d = zip(*(line3(x) for x in xi))
-    values, grads = [], []
-    for k in range(3 if solid else 1):
-        for i, j in QUAD:
-            c = (i, j, k)[: len(xi)]
-            values.append(np.prod([n[a][c[a]] for a in range(len(xi))]))
-            grads.append([np.prod([(d if a == g else n)[a][c[a]] for a in range(len(xi))]) for g in range(len(xi))])
-    return np.array(values), np.array(grads)
+def nodes(n):
+    """Numbers in line3 of each node of an element with `n` dimensions."""
+    return np.array([(*ij, k)[:n] for k in range(3 if n == 3 else 1) for ij in QUAD])
 
 
-def elasticity(solid):
-    lam, mu = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
-    n = 3 if solid else 2
-    d = np.zeros((6, 6) if solid else (3, 3))
-    d[:n, :n] = lam
-    d[range(n), range(n)] += 2 * mu
-    d[range(n, len(d)), range(n, len(d))] = mu
-    return d
-
-
-def strain_matrix(grad):
-    """Voigt strains from nodal displacements for every element; grad: (elements, nodes, dimension)."""
-    e, a, n = grad.shape
-    b = np.zeros((e, 6 if n == 3 else 3, a, n))
-    for i in range(n):
-        b[:, i, :, i] = grad[:, :, i]
-    for row, (i, j) in enumerate([(1, 2), (0, 2), (0, 1)] if n == 3 else [(0, 1)]):
-        b[:, n + row, :, i] = grad[:, :, j]
-        b[:, n + row, :, j] = grad[:, :, i]
-    return b.reshape(e, b.shape[1], a * n)
-
-
-def spatial(x, g):
-    j = np.einsum("ag,eai->egi", g, x)
-    return np.einsum("egi,ag->eai", np.linalg.inv(j).transpose(0, 2, 1), g), np.abs(np.linalg.det(j))
-
-
-def tensor(points, n):
-    grids = np.meshgrid(*[points] * n, indexing="ij")
-    return np.stack([g.ravel() for g in grids], 1)
+def shape(points):
+    """Values (points, nodes) and gradients (points, nodes, dimensions) of the 9 or 27 functions."""
+    dimensions = range(points.shape[1])
+    value, slope = line3(points)
+    along = [[(slope if d == g else value)[nodes(len(dimensions))[:, d], :, d].T for d in dimensions] for g in [None, *dimensions]]
+    values, *grads = (np.prod(each, 0) for each in along)
+    return values, np.stack(grads, 2)
 
 
 class Model:
@@ -174,24 +144,12 @@ class Model:
             self.elements = np.concatenate([np.concatenate(s, 1) for s in stack])
         else:
             self.z, self.x, self.elements = np.zeros(1), xy, quads
-        n = self.x.shape[1]
-        dofs = (self.elements[:, :, None] * n + np.arange(n)).reshape(len(self.elements), -1)
-        size, c = dofs.shape[1], elasticity(self.solid)
-        gauss, weight = np.polynomial.legendre.leggauss(3)
-        k = np.zeros((len(dofs), size, size))
-        for p, w in zip(tensor(gauss, n), np.prod(tensor(weight, n), 1)):
-            grad, det = spatial(self.x[self.elements], shapes(p, self.solid)[1])
-            b = strain_matrix(grad)
-            k += np.einsum("eij,eik->ejk", b, np.einsum("ij,ejk->eik", c, b) * (w * det)[:, None, None], optimize=True)
-        dofs = dofs.astype(np.int32)
-        rows, cols = np.repeat(dofs, size, 1).ravel(), np.tile(dofs, (1, size)).ravel()
         held = np.abs(np.hypot(self.x[:, 0], self.x[:, 1]) - gear.held) < 1e-6
-        self.free = np.flatnonzero(~np.repeat(held, n))
-        full = sp.csr_matrix((k.ravel(), (rows, cols)), shape=(self.x.size, self.x.size))
-        del k, rows, cols
-        self.k = full[self.free][:, self.free].tocsr()
-        del full
-        self.solver = pypardiso.PyPardisoSolver()
+        self.free = np.repeat(~held, self.x.shape[1])
+        self.size = int(self.free.sum())
+        dofs = np.where(self.free, np.cumsum(self.free) - 1, -1).reshape(self.x.shape)
+        self.k = stiffness(self.x[self.elements], dofs[self.elements], self.size, E, NU, shape)
+        self.solver = PyPardisoSolver(mtype=2)
         self.solver.factorize(self.k)
 
     def line_load(self, radius, load):
@@ -226,38 +184,29 @@ class Model:
         return f
 
     def stress(self, forces):
-        u = np.zeros(self.x.size)
+        """Largest principal stress at the nodes of the fillet (planes, nodes), and these nodes."""
+        u, n = np.zeros(self.x.size), self.x.shape[1]
         u[self.free] = self.solver.solve(self.k, forces.ravel()[self.free])
-        n = self.x.shape[1]
-        u = u.reshape(-1, n)
-        wanted = np.unique(self.fillet)
-        wanted = np.concatenate([wanted + p * self.plane for p in range(len(self.z))])
+        fillet = np.unique(self.fillet)
+        wanted = np.concatenate([fillet + p * self.plane for p in range(len(self.z))])
         near = self.elements[np.isin(self.elements, wanted).any(1)]
         points = tensor(np.array([-1, 1]) / sqrt(3), n)
-        values = []
-        for p in points:
-            b = strain_matrix(spatial(self.x[near], shapes(p, self.solid)[1])[0])
-            values.append(np.einsum("ij,ejk,ek->ei", elasticity(self.solid), b, u[near].reshape(len(near), -1)))
-        values = np.array(values)
+        grad, _ = spatial(self.x[near], shape(points)[1])
+        slope = np.einsum("egai,eaj->egij", grad, u.reshape(-1, n)[near], optimize=True)
+        strain = 0.5 * (slope + slope.swapaxes(2, 3))
+        stress = E / (1 + NU) * (strain + NU / (1 - 2 * NU) * np.trace(strain, axis1=2, axis2=3)[..., None, None] * np.eye(n))
         # Linear through the Gauss points, to the nodes of the element.
-        local = [(-1, 1, 0)[i] for i in range(3)]
-        nodes = [[local[i], local[j]] + ([local[k]] if n == 3 else []) for k in range(3 if n == 3 else 1) for i, j in QUAD]
-        total, count = np.zeros((len(self.x), values.shape[2])), np.zeros(len(self.x))
-        for a, node in enumerate(nodes):
-            w = [np.prod([0.5 * (1 + 3 * p[d] * node[d]) for d in range(n)]) for p in points]
-            np.add.at(total, near[:, a], np.einsum("p,pei->ei", w, values))
-            np.add.at(count, near[:, a], 1)
-        s = total[wanted] / count[wanted][:, None]
-        if n == 2:
-            m = np.array([[s[:, 0], s[:, 2]], [s[:, 2], s[:, 1]]]).transpose(2, 0, 1)
-        else:
-            m = np.array([[s[:, 0], s[:, 5], s[:, 4]], [s[:, 5], s[:, 1], s[:, 3]], [s[:, 4], s[:, 3], s[:, 2]]]).transpose(2, 0, 1)
-        return np.linalg.eigvalsh(m)[:, -1].reshape(len(self.z), -1), np.unique(self.fillet)
+        at = np.array([-1, 1, 0])[nodes(n)]
+        share = np.prod(0.5 * (1 + 3 * points * at[:, None]), 2)
+        total, count = np.zeros((len(self.x), n, n)), np.zeros(len(self.x))
+        np.add.at(total, near, np.einsum("ag,egij->eaij", share, stress))
+        np.add.at(count, near, 1)
+        return np.linalg.eigvalsh(total[wanted] / count[wanted][:, None, None])[:, -1].reshape(len(self.z), -1), fillet
 
     def root(self, radius, load, at=()):
         """Largest principal stress, MPa: anywhere on the fillet, at the 30 (60) degree tangent, and at the places `at` along z."""
-        s, nodes = self.stress(self.line_load(radius, load))
-        r = np.hypot(*self.x[nodes, :2].T)
+        s, fillet = self.stress(self.line_load(radius, load))
+        r = np.hypot(*self.x[fillet, :2].T)
         order = np.argsort(self.gear.kappa * r)
         s, r = s[:, order], r[order]
         fr, ft = self.gear.fillet(800)

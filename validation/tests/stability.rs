@@ -69,8 +69,68 @@ mod continuity {
 }
 
 mod cosimulation {
-    use gearmesh_validation::driver::{Master, Scheme};
+    use gearmesh::element::{Element, Parameters};
+    use gearmesh::table::{Table, TableFile};
+    use gearmesh_validation::data::last_that_holds;
+    use gearmesh_validation::driver::{
+        CoSimulation, Gear, INERTIA, Master, Scene, Scheme, Spin, State,
+    };
     use gearmesh_validation::stability::cosimulation::*;
+    use gearmesh_validation::{Result, in_repository};
+    use std::sync::Arc;
+
+    /// Angle omega H that packing chooses.
+    const PACKED_ANGLE: f64 = 0.4;
+
+    /// Energy that the coupling brings to the undamped shipped pair `name`, over that of the swing it starts with, after `steps` steps
+    /// at the packed angle: gear 1 stands, gear 2 swings about its load by a fifth of the deflection.
+    fn energy_brought(name: &str, scheme: impl Fn(f64) -> Scheme, steps: usize) -> Result<f64> {
+        let file = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
+        let (geometry, torque) = (file.geometry.clone(), file.nominal_torque_nm);
+        let table = Arc::new(Table::from_file(file)?);
+        let parameters = Parameters {
+            damping: 0.0,
+            nominal_torque: torque,
+            center_distance_effect: table.effects.center_distance,
+            misalignment_effect: table.effects.misalignment,
+            ..Parameters::default()
+        };
+        let element = Element::new(&geometry, &parameters, Some(table))?;
+        let [first, second] = geometry.gears.each_ref().map(|gear| gear.base_radius());
+        // Pressed against the drive flank.
+        let load = torque * second / first * geometry.e();
+        let (still, loaded) = (Spin::speed(0.0), Spin::torque(load));
+        let gears = [
+            Gear::new(&geometry, 0, still),
+            Gear::new(&geometry, 1, loaded),
+        ];
+        let scene = Scene::new(element, gears)?;
+        let pressed = |approach: f64| {
+            scene.with_spin(&scene.rest(), 1, geometry.e() * approach / second, 0.0)
+        };
+        let carries =
+            |approach| Ok(scene.contact(0.0, &pressed(approach))?.moment[1].z.abs() >= load.abs());
+        let [_, balance] = last_that_holds([1e-3, 0.0], 60, carries)?;
+        let cosine = scene.element.line_of_action(geometry.center_distance);
+        let stiffness = scene.contact(0.0, &pressed(balance))?.stiffness / cosine.powi(2);
+        let mass = INERTIA / second.powi(2);
+        let (start, still) = (pressed(1.2 * balance), pressed(balance));
+        // The load has a potential, too.
+        let energy = |t: f64, state: &State| -> Result<f64> {
+            Ok(scene.energy(t, state)? - load * state[1].twist())
+        };
+        let h = PACKED_ANGLE * (mass / stiffness).sqrt();
+        let (least, first) = (energy(0.0, &still)?, energy(0.0, &start)?);
+        let swing = first - least;
+        let mut run = CoSimulation::new(&scene, scheme(mass), start, h, 4)?;
+        for _ in 0..steps {
+            run.advance()?;
+            if energy(run.time, &run.state)? > least + 100.0 * swing {
+                return Ok(f64::INFINITY);
+            }
+        }
+        Ok((energy(run.time, &run.state)? - first) / swing)
+    }
 
     #[test]
     fn held_loads_are_stable_up_to_the_step_of_the_formulas_and_not_beyond() {

@@ -13,6 +13,7 @@ influence of strip j on strip i is the displacement along i's own load, averaged
 
 import json
 import sys
+from itertools import product
 
 import numpy as np
 from pypardiso import PyPardisoSolver
@@ -96,28 +97,22 @@ class Model:
         cells, flank, webs = [], [], []
         for number, (r, t, part) in enumerate(blocks):
             low, high = spans[part]
-            for k in range(0, zs.size - 1, 2):
-                if not low - 1e-9 < zs[k + 1] < high + 1e-9:
-                    continue
-                for i in range(0, r.shape[0] - 1, 2):
-                    for j in range(0, r.shape[1] - 1, 2):
-                        a, b, c = i + steps[:, 0], j + steps[:, 1], k + steps[:, 2]
-                        if number == 0 and i in (0, r.shape[0] - 3):
-                            flank.append((1 if i else -1, len(cells), j, k))
-                        cells.append(np.c_[r[a, b], t[a, b], zs[c]])
-                        webs.append(part == "web")
+            inside = [k for k in range(0, zs.size - 1, 2) if low - 1e-9 < zs[k + 1] < high + 1e-9]
+            for k, i, j in product(inside, range(0, r.shape[0] - 1, 2), range(0, r.shape[1] - 1, 2)):
+                a, b, c = i + steps[:, 0], j + steps[:, 1], k + steps[:, 2]
+                if number == 0 and i in (0, r.shape[0] - 3):
+                    flank.append((1 if i else -1, len(cells), j, k))
+                cells.append(np.c_[r[a, b], t[a, b], zs[c]])
+                webs.append(part == "web")
         sector = np.array(cells)
         whole, kept = [], []
         for tooth in range(gear["teeth"]):
+            here, solid = sector, np.ones(len(cells), bool)
             if self.hole and tooth % (gear["teeth"] // self.hole["count"]) == 0:
-                pierced, solid = self.pierced(sector, np.array(webs), 0.5 * pitch)
-                angle = pierced[..., 1] + tooth * pitch
-                whole.append(np.stack([pierced[..., 0] * np.cos(angle), pierced[..., 0] * np.sin(angle), pierced[..., 2]], -1))
-                kept.append(solid)
-                continue
-            kept.append(np.ones(len(cells), bool))
-            angle = sector[..., 1] + tooth * pitch + twist * sector[..., 2]
-            whole.append(np.stack([sector[..., 0] * np.cos(angle), sector[..., 0] * np.sin(angle), sector[..., 2]], -1))
+                here, solid = self.pierced(sector, np.array(webs), 0.5 * pitch)
+            angle = here[..., 1] + tooth * pitch + twist * here[..., 2]
+            whole.append(np.stack([here[..., 0] * np.cos(angle), here[..., 0] * np.sin(angle), here[..., 2]], -1))
+            kept.append(solid)
         kept = np.concatenate(kept)
         self.place = np.cumsum(kept) - 1
         x = np.concatenate(whole)[kept]
@@ -167,38 +162,37 @@ class Model:
     def load(self, strip, half_width):
         """Vector of a unit line load; `strip` has tooth, z (two ends) and diameter (at both ends), and flank -1 if that faces -theta."""
         f = np.zeros(3 * int((~self.held).sum()))
-        a, w = np.polynomial.legendre.leggauss(6)
+        gauss = list(zip(*np.polynomial.legendre.leggauss(6)))
         z0, z1 = strip["z_mm"][0] * 1e-3, strip["z_mm"][1] * 1e-3
         facing = strip.get("flank", 1)
+        roll = [np.sqrt((0.5 * d) ** 2 - self.teeth.rb**2) for d in strip["diameter_mm"]]
         for side, cell, j, k in self.flank:
             low, high = max(self.zs[k], z0), min(self.zs[k + 2], z1)
             if side != facing or high <= low:
                 continue
             s0, s1 = self.arcs[j], self.arcs[j + 2]
             element = self.place[strip["tooth"] * self.per_tooth + cell]
-            for p, wp in zip(a, w):
+            for (p, wp), (q, wq) in product(gauss, repeat=2):
                 z = 0.5 * (low + high) + 0.5 * (high - low) * p
                 share = (z - z0) / (z1 - z0)
-                roll = [np.sqrt((0.5 * d) ** 2 - self.teeth.rb**2) for d in strip["diameter_mm"]]
                 place = 1e-3 * self.profile.of_radius(np.hypot(roll[0] + share * (roll[1] - roll[0]), self.teeth.rb))
                 lo, hi = max(s0, place - half_width), min(s1, place + half_width)
                 if hi <= lo:
                     continue
-                for q, wq in zip(a, w):
-                    s = 0.5 * (lo + hi) + 0.5 * (hi - lo) * q
-                    t = (s - place) / half_width
-                    density = 15 / 16 * (1 - t * t) ** 2 / half_width
-                    xi = [side, 2 * (s - s0) / (s1 - s0) - 1, 2 * (z - self.zs[k]) / (self.zs[k + 2] - self.zs[k]) - 1]
-                    n, g = shape(xi)
-                    tangents = g[0].T @ self.x[element]
-                    normal = np.cross(tangents[1], tangents[2])
-                    normal /= np.linalg.norm(normal)
-                    at = n[0] @ self.x[element]
-                    if side * (normal[1] * at[0] - normal[0] * at[1]) < 0:  # outwards faces +theta
-                        normal = -normal
-                    value = -density * wp * 0.5 * (high - low) / (z1 - z0) * wq * 0.5 * (hi - lo)
-                    for node, share_of_node in zip(self.elements[element], n[0]):
-                        f[3 * self.number[node] : 3 * self.number[node] + 3] += value * share_of_node * normal
+                s = 0.5 * (lo + hi) + 0.5 * (hi - lo) * q
+                t = (s - place) / half_width
+                density = 15 / 16 * (1 - t * t) ** 2 / half_width
+                xi = [side, 2 * (s - s0) / (s1 - s0) - 1, 2 * (z - self.zs[k]) / (self.zs[k + 2] - self.zs[k]) - 1]
+                n, g = shape(xi)
+                tangents = g[0].T @ self.x[element]
+                normal = np.cross(tangents[1], tangents[2])
+                normal /= np.linalg.norm(normal)
+                at = n[0] @ self.x[element]
+                if side * (normal[1] * at[0] - normal[0] * at[1]) < 0:  # outwards faces +theta
+                    normal = -normal
+                value = -density * wp * 0.5 * (high - low) / (z1 - z0) * wq * 0.5 * (hi - lo)
+                for node, share_of_node in zip(self.number[self.elements[element]], n[0]):
+                    f[3 * node : 3 * node + 3] += value * share_of_node * normal
         return f
 
 

@@ -9,6 +9,7 @@ import fmpy
 import numpy as np
 from gearmesh import GearPair, integrate
 from gearmesh.dynamics import cosimulate as master
+from scipy.optimize import root
 
 from examples.shared.files import shipped
 
@@ -63,26 +64,23 @@ def start(gears: Gears) -> tuple[np.ndarray, np.ndarray]:
     """States of shafts and housing in equilibrium under the torques, turning: only the teeth's changes excite."""
     shafts, housing = sub.shafts(), sub.housing()
 
-    def residual(v):
+    def at(v):
         x, h = np.zeros(12), np.zeros(2 * sub.MODES)
         x[[0, 1, 3, 4, 5]], h[: sub.MODES] = v[:5], v[5:]
-        loads = gears(x) + DRIVE
-        forces = sub.bearing_forces(x, sub.seat_motion(h))
-        shaft = shafts.b @ np.concatenate([loads, sub.seat_motion(h)]) + shafts.a @ x
-        return np.concatenate([shaft[[6, 7, 9, 10, 11]], (housing.b @ forces + housing.a @ h)[sub.MODES :]]), x, h
+        return x, h
 
-    v = np.zeros(5 + sub.MODES)
-    v[4] = gears.middle + 1e-3  # firmly in contact, so that every Newton step finds a stiffness
-    for _ in range(60):
-        r = residual(v)[0]
-        slope = np.column_stack([(residual(v + 1e-9 * e)[0] - r) / 1e-9 for e in np.eye(len(v))])
-        change = np.linalg.solve(slope, -r)
-        v = v + change * min(1.0, 2e-4 / np.abs(change).max())
-        if np.abs(change).max() < 1e-13:
-            break
-    else:
-        raise RuntimeError(f"no equilibrium: the last Newton step was {np.abs(change).max()}")
-    _, x, h = residual(v)
+    def residual(v):
+        x, h = at(v)
+        seats = sub.seat_motion(h)
+        shaft = shafts.b @ np.concatenate([gears(x) + DRIVE, seats]) + shafts.a @ x
+        return np.concatenate([shaft[[6, 7, 9, 10, 11]], (housing.b @ sub.bearing_forces(x, seats) + housing.a @ h)[sub.MODES :]])
+
+    guess = np.zeros(5 + sub.MODES)
+    guess[4] = gears.middle + 1e-3  # firmly in contact, so that every step finds a stiffness
+    found = root(residual, guess, method="lm", tol=1e-15)
+    if not found.success:
+        raise RuntimeError(f"no equilibrium: {found.message}")
+    x, h = at(found.x)
     x[8], x[11] = SPEED, -SPEED * sub.TEETH[0] / sub.TEETH[1]
     return x, h
 

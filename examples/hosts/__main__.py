@@ -16,15 +16,6 @@ from examples.shared.tables import show
 from .compare import HOSTS, Result, run
 from .scenario import revolution
 
-NAMES = {
-    "fmpy": "fmpy",
-    "fmi_sim": "fmi-sim",
-    "libcosim": "libcosim by libcosimpy",
-    "ecos": "Ecos by ecospy, from an SSP file",
-    "exudyn": "Exudyn",
-    "mujoco": "MuJoCo",
-    "c": "a C program, by gcc",
-}
 HEAD = ["host", "version", "platform", "CS", "ME", "what was run", "largest difference"]
 
 
@@ -35,7 +26,7 @@ def line(host: str, results: list[Result]) -> list[str]:
     difference = "none, bit-equal" if worst == 0.0 else f"{worst:.0e}"
     rows = max(result.rows for result in results)
     system = f"{platform.system()} {platform.machine()}"
-    return [NAMES[host], results[0].version, system, *yes, f"the revolution, {rows} rows, {host}", difference]
+    return [HOSTS[host], results[0].version, system, *yes, f"the revolution, {rows} rows, {host}", difference]
 
 
 def main() -> None:
@@ -49,7 +40,7 @@ def main() -> None:
         try:
             rows.append(line(host, run(host, arguments.fmu, scenario)))
         except ImportError as error:
-            rows.append([NAMES[host], "", "", "", "", f"not installed: {error}", ""])
+            rows.append([HOSTS[host], "", "", "", "", f"not installed: {error}", ""])
     show("hosts", rows, arguments.data)
 
 

@@ -11,14 +11,21 @@ import numpy as np
 
 from .scenario import Scenario, reference
 
-HOSTS = ("fmpy", "fmi_sim", "libcosim", "ecos", "exudyn", "mujoco", "c")
+HOSTS = {
+    "fmpy": "fmpy",
+    "fmi_sim": "fmi-sim",
+    "libcosim": "libcosim by libcosimpy",
+    "ecos": "Ecos by ecospy, from an SSP file",
+    "exudyn": "Exudyn",
+    "mujoco": "MuJoCo",
+    "c": "a C program, by gcc",
+}
 
 
 @dataclass(frozen=True)
 class Result:
     """What one host found through one interface."""
 
-    host: str
     version: str
     interface: str
     rows: int
@@ -44,5 +51,5 @@ def run(host: str, fmu: Path, scenario: Scenario) -> list[Result]:
             if len(rows) < len(expected) - 1:
                 raise ValueError(f"{host} returned {len(rows)} rows of {len(expected)}")
             difference = float((np.abs(rows - expected[: len(rows)]) / scale).max())
-            found.append(Result(host, module.VERSION, interface, len(rows), difference))
+            found.append(Result(module.VERSION, interface, len(rows), difference))
     return found

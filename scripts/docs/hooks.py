@@ -16,8 +16,8 @@ import re
 import subprocess
 import textwrap
 from pathlib import Path
-from xml.etree import ElementTree
 
+import fmpy
 from latex2mathml.converter import convert
 from mkdocs.exceptions import PluginError
 
@@ -68,48 +68,36 @@ def commands() -> str:
     return "\n\n".join(f"## gearmesh {name}\n\n```text\n{wrapped(run(name, '--help'))}\n```" for name in names)
 
 
-def choices(root: ElementTree.Element) -> dict[str, list[tuple[str, str]]]:
-    """Items of every enumeration: name and meaning."""
-    items = {}
-    for kind in root.find("TypeDefinitions"):
-        items[kind.get("name")] = [(i.get("name"), i.get("description")) for i in kind[0]]
-    return items
-
-
-def meaning_of(variable: ElementTree.Element, enumerations: dict[str, list[tuple[str, str]]]) -> str:
+def meaning_of(variable) -> str:
     """What a variable means: of a vector or of both gears at once, and of an enumeration with its items."""
-    text = variable.get("description")
-    if variable.get("name").endswith("[1]"):
+    text = variable.description
+    if variable.name.endswith("[1]"):
         text = re.sub("^x of (the )?", "", text).replace(", component w of the", ", w x y z of a")
         text = text.replace("Cardan angle 1", "Cardan angles").replace("gear 1", "the gear")
-    if variable[0].tag == "Enumeration":
-        items = enumerations[variable[0].get("declaredType")]
-        text += ". " + "; ".join(f"`{item}`: {words}" for item, words in items)
+    if variable.type == "Enumeration":
+        text += ". " + "; ".join(f"`{item.name}`: {item.description}" for item in variable.declaredType.items)
     return text[0].upper() + text[1:]
 
 
 def variables(causality: str) -> str:
     """Variables of the FMU: name, unit, start value, meaning. Components of a vector and both gears share a row."""
-    root = ElementTree.parse(ROOT / "modelDescription.xml").getroot()
-    enumerations = choices(root)
-    every = [v for v in root.find("ModelVariables") if v.get("causality") == causality]
+    every = [v for v in fmpy.read_model_description(str(ROOT)).modelVariables if v.causality == causality]
     rows = []
     for variable in every:
-        name, _, index = variable.get("name").partition("[")
+        name, _, index = variable.name.partition("[")
         if index not in ("", "1]") or name.startswith("gear2."):
             continue
-        size = sum(v.get("name").startswith(f"{name}[") for v in every)
-        kind = variable[0]
-        start, unit = kind.get("start", ""), kind.get("unit", "1")
-        if kind.tag == "Enumeration":
-            start = enumerations[kind.get("declaredType")][int(start) - 1][0]
+        size = sum(v.name.startswith(f"{name}[") for v in every)
+        start, unit = variable.start or "", variable.unit or "1"
+        if variable.type == "Enumeration":
+            start = variable.declaredType.items[int(start) - 1].name
         if name.endswith(".quaternion"):
             start = "1 0 0 0"
         shown = f"`{name}[1..{size}]`" if index else f"`{name}`"
         if name.startswith("gear1."):
             shown += f", `{name.replace('gear1', 'gear2')}[…]`"
         cells = [shown, "" if unit == "1" else unit.replace(".", " ")]
-        rows.append([*cells, *([] if causality == "output" else [start]), meaning_of(variable, enumerations)])
+        rows.append([*cells, *([] if causality == "output" else [start]), meaning_of(variable)])
     head = ["name", "unit", *([] if causality == "output" else ["start"]), "meaning"]
     return "\n\n".join(table(head, rows[first : first + 12]) for first in range(0, len(rows), 12))
 

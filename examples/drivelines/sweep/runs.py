@@ -5,8 +5,9 @@ Gear 1 turns as imposed, gear 2 drags a torque. Several cases advance side by si
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from math import pi
 from pathlib import Path
 
@@ -17,27 +18,16 @@ INERTIA = 1.5e-3  # kg m^2, of gear 2
 SETTLE, MEASURE, STEP = 6e-3, 4e-3, 5e-6  # s; the slowest speed, 1000 rpm, has a mesh period of 3.75 ms
 
 
-class Units(dict[str, list[GearPair]]):
-    """Instances of this process, by FMU: others get none of them."""
-
-    def __reduce__(self) -> tuple[type[Units], tuple[()]]:
-        return Units, ()
-
-
-_units = Units()
-
-
-def units(fmu: bytes, count: int) -> list[GearPair]:
-    """`count` instances in this process, kept for further runs: `phaseReference = absolute` leaves no trace of earlier ones."""
-    mine = _units.setdefault(hashlib.sha256(fmu).hexdigest(), [])
-    if len(mine) < count:
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "unit.fmu"
-            file.write_bytes(fmu)
-            while len(mine) < count:
-                mine.append(GearPair(file, interface="model-exchange"))
-                mine[-1].initialize()
-    return mine[:count]
+@contextmanager
+def instances(fmu: bytes, count: int) -> Iterator[list[GearPair]]:
+    """`count` instances of an FMU, initialised."""
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        file = Path(folder) / "unit.fmu"
+        file.write_bytes(fmu)
+        pairs = [stack.enter_context(GearPair(file, interface="model-exchange")) for _ in range(count)]
+        for pair in pairs:
+            pair.initialize()
+        yield pairs
 
 
 class Run:
@@ -63,23 +53,24 @@ def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, list[f
     A speed starts from the motion at the one before, so where two answers exist each direction keeps its own. The drives
     bring what changes the speed. By speed: the largest force over the mean.
     """
-    runs = [Run(pair, case) for pair, case in zip(units(fmu, len(cases)), cases)]
     speeds = np.array([np.linspace(case["first_rpm"], case["last_rpm"], int(case["speeds"])) for case in cases]).T
-    static, rows = np.array([run.static for run in runs]), []
-    state = np.concatenate([np.zeros(len(runs)), [run.turning.resting(run.torque, 0.0, run.middle) for run in runs], np.zeros(len(runs))])
-    for before, after in zip([speeds[0], *speeds], speeds * pi / 30.0):
-        before = before * pi / 30.0
+    with instances(fmu, len(cases)) as pairs:
+        runs = [Run(pair, case) for pair, case in zip(pairs, cases)]
+        static, rows = np.array([run.static for run in runs]), []
+        state = np.concatenate([np.zeros(len(runs)), [run.turning.resting(run.torque, 0.0, run.middle) for run in runs], np.zeros(len(runs))])
+        for before, after in zip([speeds[0], *speeds], speeds * pi / 30.0):
+            before = before * pi / 30.0
 
-        def rate(time, state):
-            angle, ahead, slip = np.split(state, 3)
-            speed = before + (after - before) * min(time / SETTLE, 1.0)
-            motions = zip(runs, angle.tolist(), speed.tolist(), ahead.tolist(), slip.tolist())
-            return np.concatenate([speed, slip, [run.acceleration(*motion) for run, *motion in motions]])
+            def rate(time, state):
+                angle, ahead, slip = np.split(state, 3)
+                speed = before + (after - before) * min(time / SETTLE, 1.0)
+                motions = zip(runs, angle.tolist(), speed.tolist(), ahead.tolist(), slip.tolist())
+                return np.concatenate([speed, slip, [run.acceleration(*motion) for run, *motion in motions]])
 
-        largest = np.zeros(len(runs))
-        for time, state, _ in integrate(rate, state, STEP, round((SETTLE + MEASURE) / STEP)):
-            if time >= SETTLE - 0.5 * STEP:
-                largest = np.maximum(largest, [run.turning.pair.y[run.force] for run in runs])
-        rows.append(largest / static)
+            largest = np.zeros(len(runs))
+            for time, state, _ in integrate(rate, state, STEP, round((SETTLE + MEASURE) / STEP)):
+                if time >= SETTLE - 0.5 * STEP:
+                    largest = np.maximum(largest, [run.turning.pair.y[run.force] for run in runs])
+            rows.append(largest / static)
     factors = np.array(rows).T
     return [{"speed_rpm": speed.tolist(), "dynamic_factor": factor.tolist()} for speed, factor in zip(speeds.T, factors)]

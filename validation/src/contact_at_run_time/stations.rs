@@ -14,14 +14,6 @@ use gearmesh_preprocessor::static_contact::contact_settings;
 /// Segments, and the share of a segment's own contact in what changes along it; the first is the reference.
 const CASES: [(usize, f64); 5] = [(160, 0.45), (40, 1.0), (20, 0.45), (22, 0.45), (40, 0.45)];
 
-/// Errors of force, moment and stiffness.
-#[derive(Default, Clone)]
-struct Errors {
-    force: Vec<f64>,
-    moment: Vec<f64>,
-    stiffness: Vec<f64>,
-}
-
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     let (pairs, poses) = if context.quick { (1, 10) } else { (4, 400) };
     let mut rows = vec![];
@@ -39,7 +31,8 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             solver: solvers.remove(0),
         };
         let (nominal, half_face) = (setup.nominal_force(), setup.half_face());
-        let mut errors = vec![Errors::default(); solvers.len()];
+        // Of force, moment and stiffness.
+        let mut errors: Vec<[Vec<f64>; 3]> = vec![Default::default(); solvers.len()];
         let mut random = Random::new(1);
         for _ in 0..poses {
             let (torque, query) = setup.draw(&mut random);
@@ -49,21 +42,17 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             for (solver, errors) in solvers.iter().zip(&mut errors) {
                 let position = solver.position(Flank::Drive, tau, offset)?;
                 let found = position.solve_approach(exact.approach, misalignment, None)?;
-                errors
-                    .force
-                    .push((found.loa_force - exact.loa_force) / nominal);
-                errors
-                    .moment
-                    .push((found.moment - exact.moment) / (nominal * half_face));
-                errors
-                    .stiffness
-                    .push(found.tangent.force_by_approach / stiffness - 1.0);
+                let force = (found.loa_force - exact.loa_force) / nominal;
+                let moment = (found.moment - exact.moment) / (nominal * half_face);
+                let stiffness = found.tangent.force_by_approach / stiffness - 1.0;
+                for (errors, error) in errors.iter_mut().zip([force, moment, stiffness]) {
+                    errors.push(100.0 * error);
+                }
             }
         }
         for ((segments, own_share), errors) in CASES[1..].iter().zip(errors) {
-            let worst = 100.0 * largest(errors.force.iter().copied()).abs();
-            let all = [errors.force, errors.moment, errors.stiffness];
-            let [force, moment, stiffness] = all.map(|errors| 100.0 * rms(errors));
+            let worst = largest(errors[0].iter().copied()).abs();
+            let [force, moment, stiffness] = errors.map(rms);
             let errors = format!("{force:.3} | {worst:.2} | {moment:.3} | {stiffness:.2}");
             rows.push(format!("{name} | {segments} | {own_share} | {errors}"));
         }

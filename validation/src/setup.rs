@@ -128,15 +128,10 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// `pair` at its level of refinement, its contact discretised by `contact`.
-    pub fn new(pair: Pair, contact: ContactSettings) -> Result<Self> {
-        let solver = solver(&pair, &models(&pair, &Settings::for_pair(&pair))?, contact)?;
-        Ok(Self { pair, solver })
-    }
-
-    /// `pair` with its own settings of contact.
-    pub fn from_pair(pair: Pair) -> Result<Self> {
+    /// `pair` as `gearmesh build` has it, or with so many `stations` along the face.
+    pub fn new(pair: Pair, stations: Option<usize>) -> Result<Self> {
         let settings = ModelSettings {
+            stations,
             cache: Some(cache()),
             ..ModelSettings::default()
         };
@@ -178,11 +173,6 @@ impl Setup {
     /// The nominal torque at the mesh position `tau`, parallel axes.
     pub fn nominal(&self, tau: f64) -> Result<ContactResult> {
         self.solve(self.pair.operating.nominal_torque, &query(0.0, tau))
-    }
-
-    /// Approach under the nominal torque at the mesh position 0, m.
-    pub fn nominal_approach(&self) -> Result<f64> {
-        Ok(self.nominal(0.0)?.approach)
     }
 
     /// The whole operating range.

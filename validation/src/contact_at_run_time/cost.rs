@@ -17,7 +17,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let (pairs, points) = if context.quick { (1, 20) } else { (4, 200) };
     let mut rows = vec![];
     for name in &PAIRS[..pairs] {
-        let setup = Setup::from_pair(shipped(name)?)?;
+        let setup = Setup::new(shipped(name)?, None)?;
         let file = Arc::new(setup.contact_file()?);
         let contact = file.flank(Flank::Drive).ok_or("no drive flank")?;
         let mut random = Random::new(1);
@@ -32,7 +32,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             errors.push((found?.gradient[0] - full.loa_force) / setup.nominal_force());
         }
         // A step of a simulation turns the gears by a thousandth of a mesh cycle.
-        let approach = setup.nominal_approach()?;
+        let approach = setup.nominal(0.0)?.approach;
         let mut warm = Warm::default();
         let (done, seconds) = timed(|| {
             (0..STEPS).try_for_each(|i| {

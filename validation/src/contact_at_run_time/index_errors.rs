@@ -86,7 +86,7 @@ fn over_a_turn(signal: &[f64]) -> Vec<Point> {
 }
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
-    let setup = Setup::from_pair(shipped(PAIR)?)?;
+    let setup = Setup::new(shipped(PAIR)?, None)?;
     let file = setup.contact_file()?;
     let gear = &setup.pair.geometry.gears[0];
     let (z, force) = (gear.teeth as usize, setup.nominal_force());

@@ -23,7 +23,7 @@ struct Solved {
 fn solved(modified: bool, bore_mm: f64, refinement: Refinement) -> Result<Solved> {
     let pair = paper(modified, bore_mm)?;
     let pair = Pair { refinement, ..pair };
-    let solver = Setup::from_pair(pair)?.solver;
+    let solver = Setup::new(pair, None)?.solver;
     let [mean, swing] = ste(&solver, TORQUE, POSITIONS)?;
     let [unloaded, _] = ste(&solver, 0.0, POSITIONS)?;
     Ok(Solved {

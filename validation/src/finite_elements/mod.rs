@@ -89,7 +89,7 @@ pub fn levels(_: &Context, data: &Data) -> Result<()> {
         let normal = shipped(name)?;
         let coarse = shipped_at(name, Refinement::Coarse)?;
         let [normal_solver, coarse_solver] =
-            [Setup::from_pair(normal.clone())?, Setup::from_pair(coarse)?].map(|s| s.solver);
+            [Setup::new(normal.clone(), None)?, Setup::new(coarse, None)?].map(|s| s.solver);
         let operating = &normal.operating;
         let nominal = operating.nominal_torque;
         for torque in [0.4 * nominal, nominal, operating.maximum_torque] {

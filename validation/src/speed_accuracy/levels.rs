@@ -90,15 +90,12 @@ fn error(a: &[f64], b: &[f64]) -> f64 {
     rms(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
-/// A level of detail.
-struct Level {
-    name: String,
-    element: Element,
-}
+/// A level of detail by its name.
+type Level = (String, Element);
 
 /// The pair at `refinement` with its contact at run time, discretised as `gearmesh build` does.
 fn contact(refinement: Refinement) -> Result<(Setup, ContactFile)> {
-    let setup = Setup::from_pair(shipped_at(PAIR, refinement)?)?;
+    let setup = Setup::new(shipped_at(PAIR, refinement)?, None)?;
     let file = setup.contact_file()?;
     Ok((setup, file))
 }
@@ -149,8 +146,7 @@ fn simpler(setup: &Setup, contact: &ContactFile, counts: [usize; 4]) -> Result<V
         ("tooth pair by tooth pair", teeth, &with_teeth),
     ] {
         let element = Element::new(geometry, &parameters, Some(table.clone()))?;
-        let name = name.into();
-        levels.push(Level { name, element });
+        levels.push((name.into(), element));
     }
     Ok(levels)
 }
@@ -180,13 +176,12 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let (_, (usual, usual_contact)) = contacts.last().ok_or("no refinement")?;
     let mut levels = simpler(usual, usual_contact, counts)?;
     for (name, (setup, file)) in &contacts {
-        let name = format!("contact at run time, {name}");
         let element = by_contact(setup, file)?;
-        levels.push(Level { name, element });
+        levels.push((format!("contact at run time, {name}"), element));
     }
 
     let (mut rows, mut runs) = (vec![], vec![]);
-    for Level { name, element } in &levels {
+    for (name, element) in &levels {
         let run = Run::new(&best, element)?;
         let dte = 1e6 * error(&run.dte, &reference.dte);
         let z = 1e3 * error(&run.contact_z, &reference.contact_z);

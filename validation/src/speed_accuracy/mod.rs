@@ -40,11 +40,7 @@ impl Sampled {
 /// The shipped pair `name` on coarse elements, with as many segments as other refinements have.
 fn coarse(name: &str) -> Result<Setup> {
     let pair = shipped_at(name, Refinement::Coarse)?;
-    let contact = ContactSettings {
-        tip_corner_contact: pair.tip_corner_contact,
-        ..ContactSettings::default()
-    };
-    Setup::new(pair, contact)
+    Setup::new(pair, Some(ContactSettings::default().stations))
 }
 
 /// Held-out points per scene.

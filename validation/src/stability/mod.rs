@@ -45,7 +45,7 @@ impl Real {
 
     /// The shipped pair `name` with a table made here, on coarse finite elements and a grid that takes seconds.
     pub fn coarse(name: &'static str) -> Result<Self> {
-        let setup = Setup::from_pair(shipped_at(name, Refinement::Coarse)?)?;
+        let setup = Setup::new(shipped_at(name, Refinement::Coarse)?, None)?;
         let table = setup.table(&setup.samples([8, 5, 9, 12])?)?;
         Ok(Self {
             name,

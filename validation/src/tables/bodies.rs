@@ -91,9 +91,8 @@ impl Turning {
             ..pair::from_json(&file.to_string())?
         };
         let settings = ModelSettings {
-            plane_strain: false,
-            stations: None,
             cache: Some(cache()),
+            ..ModelSettings::default()
         };
         let models = ElasticModels::new(&pair, &settings, &|_, _| ())?;
         let recipe = Recipe {

@@ -49,7 +49,7 @@ struct Subject {
 
 impl Subject {
     fn new(pair: Pair) -> Result<Self> {
-        let setup = Setup::from_pair(pair)?;
+        let setup = Setup::new(pair, None)?;
         let coverage = setup.coverage();
         let axes = Axes {
             misalignment: misalignments(&setup.solver, &setup.pair.geometry, &coverage)?,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,18 +42,22 @@ class Cycle:
     thrust: np.ndarray
 
 
+def at_rest(stage: Stage, positions: int, guess: np.ndarray | None = None) -> Iterator[tuple[float, np.ndarray]]:
+    """Angle of the carrier and coordinates under the nominal torque, at even steps of a mesh cycle."""
+    for carrier in 2.0 * np.pi / TEETH[2] * np.arange(positions) / positions:
+        q = stage.equilibrium(carrier, TORQUE, guess)
+        guess = q - stage.rolled(carrier)
+        yield carrier, q
+
+
 def cycle(places: tuple[int, ...] = IN_PHASE, positions: int = 32, **options) -> Cycle:
     """The stage under the nominal torque; `options` of `Stage`."""
     rows = np.empty((positions, 7))
     with Stage(places, **options) as stage:
-        guess = None
-        for i in range(positions):
-            carrier = 2.0 * np.pi / TEETH[2] * i / positions
-            q = stage.equilibrium(carrier, TORQUE, guess)
-            guess = q - stage.rolled(carrier)
-            load = stage.stiffness() * stage.shift(q)
+        for row, (carrier, q) in zip(rows, at_rest(stage, positions)):
+            load, beyond = stage.stiffness() * stage.shift(q), q - stage.rolled(carrier)
             axes = np.array([[np.cos(carrier), -np.sin(carrier)], [np.sin(carrier), np.cos(carrier)]])
-            rows[i] = guess[5], *load[0, :2], *(load[1, 3:5] @ axes), guess[9:11] @ axes[:, 1], load[0, 2]
+            row[:] = beyond[5], *load[0, :2], *(load[1, 3:5] @ axes), beyond[9:11] @ axes[:, 1], load[0, 2]
     return Cycle(rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5], rows[:, 6])
 
 
@@ -80,18 +85,13 @@ def vanishing(places: tuple[int, ...], harmonic: int) -> float:
 
 def load_sharing(error: float, floating: bool, positions: int = 4, span: float = STIFF) -> np.ndarray:
     """Shares of the three planets, mean over the mesh cycle, with a pin error on the first; by default no planet tilts."""
-    shares = []
     with Stage(errors=(error, 0.0, 0.0), span=span) as stage:
         guess = None
-        for i in range(positions):
-            carrier = 2.0 * np.pi / TEETH[2] * i / positions
-            while floating and stage.sun_support > FLOATING:
-                # Set free step by step: Newton's method needs all meshes loaded on its way.
-                guess = stage.equilibrium(carrier, TORQUE, guess) - stage.rolled(carrier)
-                stage.sun_support /= 10.0
-            q = stage.equilibrium(carrier, TORQUE, guess)
-            guess = q - stage.rolled(carrier)
-            shares.append(stage.shares())
+        while floating and stage.sun_support > FLOATING:
+            # Set free step by step: Newton's method needs all meshes loaded on its way.
+            guess = stage.equilibrium(0.0, TORQUE, guess) - stage.rolled(0.0)
+            stage.sun_support /= 10.0
+        shares = [stage.shares() for _ in at_rest(stage, positions, guess)]
     return np.mean(shares, axis=0)
 
 

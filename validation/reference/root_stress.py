@@ -31,17 +31,18 @@ def mesh(gear, teeth, fine, coarse):
     loop, fine_curves, load_curve = [], [], None
     pitch, count = 2 * pi / gear.z, teeth // 2
     first = last = point(gear.root, -count * pitch - pi / gear.z)
+
+    def arc_to(r, angle):
+        """Goes on along a circle about the axis."""
+        nonlocal last
+        start, last = last, point(r, angle)
+        loop.append(geo.addCircleArc(start, centre, last))
+
     for k in range(-count, count + 1):
         for side in (-1, 1):
             rows = [fillet, flank] if side < 0 else [flank[::-1], fillet[::-1]]
-            if side > 0:
-                p = point(gear.tip, k * pitch + flank[-1][1])
-                loop.append(geo.addCircleArc(last, centre, p))
-                last = p
-            else:
-                p = point(fillet[0][0], k * pitch - fillet[0][1])
-                loop.append(geo.addCircleArc(last, centre, p))
-                last = p
+            r, t = rows[0][0]
+            arc_to(r, k * pitch + side * t)
             for row in rows:
                 points = [last] + [point(r, k * pitch + side * t) for r, t in row[1:]]
                 loop.append(geo.addSpline(points))
@@ -51,16 +52,11 @@ def mesh(gear, teeth, fine, coarse):
                         load_curve = loop[-1]
                     else:
                         fine_curves.append(loop[-1])
-        p = point(gear.root, k * pitch + pi / gear.z)
-        loop.append(geo.addCircleArc(last, centre, p))
+        arc_to(gear.root, k * pitch + pi / gear.z)
         if k == 0:
             fine_curves.append(loop[-1])
-        last = p
-    rest = np.linspace(count * pitch + pi / gear.z, 2 * pi - count * pitch - pi / gear.z, 5)
-    for angle in rest[1:-1]:
-        p = point(gear.root, angle)
-        loop.append(geo.addCircleArc(last, centre, p))
-        last = p
+    for angle in np.linspace(count * pitch + pi / gear.z, 2 * pi - count * pitch - pi / gear.z, 5)[1:-1]:
+        arc_to(gear.root, angle)
     loop.append(geo.addCircleArc(last, centre, first))
     held = [geo.addPoint(gear.held * cos(a), gear.held * sin(a), 0, coarse) for a in (0, pi / 2, pi, 1.5 * pi)]
     circle = [geo.addCircleArc(held[i], centre, held[(i + 1) % 4]) for i in range(4)]

@@ -32,11 +32,7 @@ class Scenario:
 
     def record(self) -> np.ndarray:
         """As a structured array, which fmpy takes as input."""
-        out = np.zeros(len(self.times), dtype=[("time", float)] + [(name, float) for name in self.names])
-        out["time"] = self.times
-        for name, column in zip(self.names, self.values.T):
-            out[name] = column
-        return out
+        return np.rec.fromarrays([self.times, *self.values.T], names=["time", *self.names])
 
     def write(self, file: Path) -> None:
         """As CSV with 17 digits, which any host reads to the same bits."""

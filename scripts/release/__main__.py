@@ -34,21 +34,11 @@ def programs(platform: Platform) -> Path:
     return folder
 
 
-def fmus() -> None:
-    """The shipped pairs that have tables, each with the libraries of both platforms."""
-    folder = DIST / "fmus"
-    folder.mkdir()
-    for tables in sorted((ROOT / "resources" / "tables").glob("*.json")):
-        fmu = folder / f"{tables.stem}.fmu"
-        run(DIST / "linux64" / "gearmesh", "pack", "--tables", tables, "-o", fmu)
-
-
-def held(pair: str) -> Path:
-    """An FMU for inputs that are given: the outputs of a step are those of its inputs."""
-    fmu = ROOT / "target" / "held" / f"{pair}.fmu"
+def packed(pair: str, fmu: Path, *options: str) -> Path:
+    """The FMU of a shipped pair with the libraries of both platforms."""
     fmu.parent.mkdir(exist_ok=True)
     tables = ROOT / "resources" / "tables" / f"{pair}.json"
-    run(DIST / "linux64" / "gearmesh", "pack", "--tables", tables, "--set", "coupling=held", "-o", fmu)
+    run(DIST / "linux64" / "gearmesh", "pack", "--tables", tables, *options, "-o", fmu)
     return fmu
 
 
@@ -103,8 +93,11 @@ def main() -> None:
         folder = programs(platform)
         archive(platform, folder, version, licenses)
         wheel.pack(platform, version, folder, licenses, DIST)
-    fmus()
-    cross_check.material([held(pair) for pair in CROSS_CHECKED], DIST / "cross-check")
+    for tables in sorted((ROOT / "resources" / "tables").glob("*.json")):
+        packed(tables.stem, DIST / "fmus" / f"{tables.stem}.fmu")
+    # For inputs that are given: the outputs of a step are those of its inputs.
+    held = [packed(pair, ROOT / "target" / "held" / f"{pair}.fmu", "--set", "coupling=held") for pair in CROSS_CHECKED]
+    cross_check.material(held, DIST / "cross-check")
     manifest(version)
     for file in sorted(DIST.rglob("*")):
         if file.is_file():

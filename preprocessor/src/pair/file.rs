@@ -101,61 +101,46 @@ macro_rules! with_modifications {
     };
 }
 
-/// Types of whole numbers, with their names in errors.
-trait Kind: TryFrom<i64> {
-    const NAME: &'static str;
-}
+/// Reads a whole number, also one with a fraction of zero, as tools write it that know no other numbers. A visitor, since
+/// only what it refuses keeps its line and column.
+struct WholeVisitor<N>(PhantomData<N>);
 
-macro_rules! kinds {
-    ($($kind:ident)*) => { $(impl Kind for $kind { const NAME: &'static str = stringify!($kind); })* };
-}
-kinds! { i32 u32 u8 }
-
-/// A whole number, also one with a fraction of zero, as tools write it that know no other numbers.
-struct Whole<N>(N);
-
-/// Reads [`Whole`].
-struct Reader<N>(PhantomData<N>);
-
-impl<N: Kind> Visitor<'_> for Reader<N> {
-    type Value = Whole<N>;
+impl<N: TryFrom<i64>> Visitor<'_> for WholeVisitor<N> {
+    type Value = N;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(N::NAME)
+        f.write_str(std::any::type_name::<N>())
     }
 
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Whole<N>, E> {
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<N, E> {
         // Beyond 2^53 there are no fractions.
         let whole = (value.fract() == 0.0 && value.abs() <= 9e15).then_some(value as i64);
-        let whole = whole.and_then(|whole| N::try_from(whole).ok());
         let given = format!("`{value}`");
         whole
-            .map(Whole)
+            .and_then(|whole| N::try_from(whole).ok())
             .ok_or_else(|| E::invalid_value(Unexpected::Other(&given), &self))
     }
 
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Whole<N>, E> {
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<N, E> {
         self.visit_f64(value as f64)
     }
 
-    fn visit_u64<E: de::Error>(self, value: u64) -> Result<Whole<N>, E> {
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<N, E> {
         self.visit_f64(value as f64)
     }
 }
 
-impl<'de, N: Kind> Deserialize<'de> for Whole<N> {
-    fn deserialize<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
-        fields.deserialize_f64(Reader(PhantomData))
-    }
+fn whole<'de, D: Deserializer<'de>, N: TryFrom<i64>>(fields: D) -> Result<N, D::Error> {
+    fields.deserialize_f64(WholeVisitor(PhantomData))
 }
 
-fn whole<'de, D: Deserializer<'de>, N: Kind>(fields: D) -> Result<N, D::Error> {
-    Whole::deserialize(fields).map(|number| number.0)
-}
-
-fn some_whole<'de, D: Deserializer<'de>, N: Kind>(fields: D) -> Result<Option<N>, D::Error> {
-    let number = Option::<Whole<N>>::deserialize(fields)?;
-    Ok(number.map(|number| number.0))
+fn some_whole<'de, D: Deserializer<'de>, N: TryFrom<i64>>(
+    fields: D,
+) -> Result<Option<N>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(bound = "N: TryFrom<i64>")]
+    struct Whole<N>(#[serde(deserialize_with = "whole")] N);
+    Ok(Option::<Whole<N>>::deserialize(fields)?.map(|number| number.0))
 }
 
 with_modifications! {

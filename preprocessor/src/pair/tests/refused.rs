@@ -216,6 +216,24 @@ fn a_value_of_another_form_is_refused_by_field_and_value_without_the_words_of_a_
 }
 
 #[test]
+fn a_number_that_is_not_whole_is_refused_at_its_own_line_also_at_the_end_of_its_braces() {
+    let given = [
+        ("rim_pins", 2.5, "whole number, 0 to"),
+        ("rim_supports", -3.0, "whole number, 0 to"),
+    ];
+    for (field, count, words) in given {
+        let group = format!("\"{field}\": {{\n\"count\": {count:?}\n}},\n\"face_width_mm\"");
+        let text = PAPER.replacen("\"face_width_mm\"", &group, 1);
+        let line = 1 + text.lines().position(|l| l.contains("\"count\"")).unwrap();
+        let (path, message) = form(&text);
+        assert_eq!(path, format!("gear1.{field}.count"));
+        let shown = format!("`{count}`; a {words}");
+        assert!(message.contains(&shown), "{message}");
+        assert!(message.contains(&format!("(line {line}, ")), "{message}");
+    }
+}
+
+#[test]
 fn text_that_is_no_json_is_refused_by_line_and_column_with_the_text_there() {
     #[rustfmt::skip]
     let cases = [

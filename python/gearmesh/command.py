@@ -359,6 +359,9 @@ def solve(
     -------
     MeshCycle
     """
+    for name, value in (("torque_nm", torque_nm), ("misalignment_mrad", misalignment_mrad)):
+        if np.ndim(value) > 0:
+            raise TypeError(f"{name} = {value!r}: give one number; `solve_all` takes several loads")
     torques = [] if torque_nm is None else [torque_nm]
     more = {"positions": positions, "center_distance_offset_um": center_distance_offset_um, "flank": flank, "root_stress": root_stress}
     return _solve(pair, torques, [misalignment_mrad], {**more, "speed_rpm": speed_rpm, **options})[0]

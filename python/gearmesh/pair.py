@@ -178,7 +178,7 @@ class GearPair:
         what the FMU refuses.
         """
         if name not in self._parameters:
-            raise GearPairError(f"the FMU has no parameter {name!r}")
+            raise GearPairError(self._unknown(name, "parameter", self._parameters))
         variable = self._variables[name]
         plain = value.item() if hasattr(value, "item") else value  # of NumPy's scalars
         items = _items(variable)
@@ -280,6 +280,8 @@ class GearPair:
             return f"{name} is an input, which is written"
         if name in self.output:
             return f"{name} is an output, which is read"
+        if name in self._parameters:
+            return f"{name} is a parameter: `parameters` has its value, and `set_parameter` sets it"
         near = difflib.get_close_matches(str(name), names, 1)
         hint = f"did you mean {near[0]}?" if near else f"docs/fmu.md has all {what}s"
         return f"there is no {what} {name}; {hint}"

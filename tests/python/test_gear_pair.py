@@ -122,8 +122,10 @@ def test_a_parameter_that_was_refused_stays_as_it_was(fmu):
 def test_interfaces_and_variables_that_do_not_exist_are_refused_by_name_and_what_the_unit_logs_is_in_the_exception(fmu):
     with pytest.raises(GearPairError, match="'ModelExchange'.*co-simulation, model-exchange"):
         GearPair(fmu, interface="ModelExchange")
-    with pytest.raises(GearPairError, match="'dampnig'"):
+    with pytest.raises(GearPairError, match="no parameter dampnig; did you mean damping"):
         GearPair(fmu, {"dampnig": 1.0})
+    with pytest.raises(GearPairError, match=r"gear1\.position\[1\] is an input, which is written"):
+        GearPair(fmu, {"gear1.position[1]": 0.0})
     with GearPair(fmu, {"stiffnessModel": "table"}) as pair, pytest.raises(GearPairError, match="stiffnessModel.*table"):
         pair.initialize()
     with GearPair(fmu) as pair, pytest.raises(GearPairError, match=r"gear1\.position\[1\]"):
@@ -137,6 +139,10 @@ def test_interfaces_and_variables_that_do_not_exist_are_refused_by_name_and_what
             pair["gear1.position[1]"]
         with pytest.raises(KeyError, match="is an output, which is read"):
             pair["gear1.moment[3]"] = 1.0
+        with pytest.raises(KeyError, match="damping is a parameter: .* `set_parameter` sets it"):
+            pair["damping"]
+        with pytest.raises(KeyError, match="damping is a parameter: .* `set_parameter` sets it"):
+            pair["damping"] = 500.0
         with pytest.raises(TypeError, match=r"gear1.angles\[3\] = '1': give a number"):
             pair["gear1.angles[3]"] = "1"
 

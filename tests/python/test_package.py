@@ -59,6 +59,13 @@ def test_solve_gives_what_the_command_prints():
     assert one.root_stress_mpa is None and np.isnan(one.edge_z_mm).any()
 
 
+@pytest.mark.parametrize("loads", [{"torque_nm": [50, 100]}, {"torque_nm": np.array([50.0])}, {"misalignment_mrad": (0.0, 0.1)}])
+def test_several_loads_for_one_cycle_are_refused_with_the_function_that_takes_them(loads):
+    (name,) = loads
+    with pytest.raises(TypeError, match=rf"^{name} = .*: give one number; `solve_all` takes several loads"):
+        gearmesh.solve(PAIR, **loads)
+
+
 def test_study_reads_its_samples_and_statistics(tmp_path):
     vary = {"gear1.tip_relief.amount_um": 2.0, "misalignment_mrad": (-0.2, 0.2)}
     found = gearmesh.study(PAIR, tmp_path / "study", vary, samples=12, positions=8, **QUICK)

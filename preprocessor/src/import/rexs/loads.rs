@@ -68,9 +68,13 @@ impl<'a> Draft<'a> {
 
     /// Lists the load cases, of which one at most is taken.
     pub(super) fn list_load_cases(&mut self) {
+        if let Some(problem) = &self.model.unread_spectrum {
+            let line = format!("load_spectrum is left out, as it has another form: {problem}");
+            self.account.add(Head::Left, line);
+        }
         let cases = &self.model.load_cases;
         if let [_, _, ..] = cases[..] {
-            let torques = cases.iter().map(|case| {
+            let torques = cases.iter().take(MOST_LISTED).map(|case| {
                 let torques = case
                     .components
                     .iter()
@@ -82,14 +86,19 @@ impl<'a> Draft<'a> {
                 let torques: Vec<String> = torques.collect();
                 format!("load case {} ({})", case.id, torques.join(", "))
             });
-            let line = format!(
-                "{}: of several load cases none is taken",
-                torques.collect::<Vec<_>>().join(", ")
-            );
+            let listed = torques.collect::<Vec<_>>().join(", ");
+            let more = match cases.len().saturating_sub(MOST_LISTED) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            let line = format!("{listed}{more}: of several load cases none is taken");
             self.account.add(Head::Left, line);
         }
     }
 }
+
+/// Load cases in the account; a spectrum may have hundreds.
+const MOST_LISTED: usize = 5;
 
 /// Kind of the relation, role of the component and end of its kind.
 pub(super) const GEAR_DATA: &str = "stage_gear_data";

@@ -86,8 +86,11 @@ pub(super) struct Model {
     pub components: Vec<Component>,
     pub relations: Vec<Relation>,
     /// Of all load spectra: components again, with their loads and results.
-    #[serde(rename = "load_spectrum", deserialize_with = "load_cases")]
+    #[serde(skip)]
     pub load_cases: Vec<LoadCase>,
+    /// Why there are none, where the spectra have another form.
+    #[serde(skip)]
+    pub unread_spectrum: Option<String>,
     /// Places of the components by id.
     #[serde(skip)]
     places: HashMap<String, usize>,
@@ -102,21 +105,20 @@ pub(super) struct LoadCase {
 }
 
 /// Those of one load spectrum or of several.
-fn load_cases<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LoadCase>, D::Error> {
+fn load_cases(spectra: Value) -> Result<Vec<LoadCase>, serde_json::Error> {
     #[derive(Default, Deserialize)]
     #[serde(default)]
     struct Spectrum {
         load_cases: Vec<LoadCase>,
     }
-    let spectra = match Value::deserialize(from)? {
+    let spectra = match spectra {
         Value::Array(spectra) => spectra,
         Value::Null => Vec::new(),
         one => vec![one],
     };
     let spectra: Result<Vec<Spectrum>, _> =
         spectra.into_iter().map(serde_json::from_value).collect();
-    let spectra = spectra.map_err(serde::de::Error::custom)?;
-    Ok(spectra.into_iter().flat_map(|s| s.load_cases).collect())
+    Ok(spectra?.into_iter().flat_map(|s| s.load_cases).collect())
 }
 
 /// Ids are numbers or text.
@@ -234,10 +236,17 @@ impl Model {
 
     fn from_json(text: &str) -> Result<Model> {
         let mut file: Value = serde_json::from_str(text).map_err(no_rexs)?;
-        if !file["model"].is_object() {
+        let Some(fields) = file["model"].as_object_mut() else {
             return refused("it has no `model`, as REXS files in JSON have");
+        };
+        let spectra = fields.remove("load_spectrum").unwrap_or_default();
+        let mut model: Model = serde_json::from_value(file["model"].take()).map_err(no_rexs)?;
+        // Geometry does not need them.
+        match load_cases(spectra) {
+            Ok(cases) => model.load_cases = cases,
+            Err(error) => model.unread_spectrum = Some(error.to_string()),
         }
-        serde_json::from_value(file["model"].take()).map_err(no_rexs)
+        Ok(model)
     }
 
     fn from_xml(text: &str) -> Result<Model> {
@@ -272,7 +281,7 @@ impl Model {
             components: parts("components", "component").map(component).collect(),
             relations: parts("relations", "relation").map(relation).collect(),
             load_cases: parts("load_spectrum", "load_case").map(load_case).collect(),
-            places: HashMap::new(),
+            ..Model::default()
         })
     }
 

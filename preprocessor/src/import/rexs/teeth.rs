@@ -95,24 +95,27 @@ impl Draft<'_> {
             let [least, most] = ["minimum", "maximum"]
                 .map(|end| first(&[self.stage], &[&format!("{end}_{section}_backlash")]));
             let (least, most) = (least?, most?);
-            let Some(one) = least.clone().or(most.clone()) else {
-                continue;
+            let (head, limits, from) = match (least, most) {
+                (None, None) => continue,
+                (Some(least), Some(most)) => (
+                    Head::Derived,
+                    [least.value, most.value],
+                    format!("{} and {}", least.origin, most.origin),
+                ),
+                (Some(one), None) | (None, Some(one)) => (
+                    Head::Assumed,
+                    [one.value; 2],
+                    format!("{}, as the other limit is not given", one.origin),
+                ),
             };
-            let ends = [least.unwrap_or(one.clone()), most.unwrap_or(one)];
-            let limits = ends.each_ref().map(|end| um(end.value));
+            let limits = limits.map(um);
             let value = match section {
                 "normal" => interval(limits),
                 // The field takes one number.
                 _ => json!(rounded(0.5 * (limits[0] + limits[1]))),
             };
-            let [from, to] = ends.map(|end| end.origin);
-            let from = if from == to {
-                from
-            } else {
-                format!("{from} and {to}")
-            };
-            self.account
-                .add(Head::Derived, format!("{field} = {value} from {from}"));
+            let line = format!("{field} = {value} from {from}");
+            self.account.add(head, line);
             return Ok(Some((field, value)));
         }
         Ok(None)

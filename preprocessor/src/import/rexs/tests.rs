@@ -659,6 +659,27 @@ fn backlash_of_the_stage_is_that_of_the_pair_also_beside_the_thickness_of_the_pr
 }
 
 #[test]
+fn one_limit_of_the_backlash_alone_is_assumed_to_be_the_backlash() {
+    for (name, field) in [
+        ("minimum_normal_backlash", "normal_backlash_um"),
+        ("maximum_normal_backlash", "normal_backlash_um"),
+        ("minimum_transverse_backlash", "backlash_um"),
+    ] {
+        let (_, account) = File {
+            stage: &[(name, json!(0.1))],
+            ..File::default()
+        }
+        .import();
+        says(
+            &account,
+            &format!(
+                "assumed: {field} = 100.0 from {name} of cylindrical_stage 1, as the other limit is not given"
+            ),
+        );
+    }
+}
+
+#[test]
 fn backlash_that_both_thicknesses_contradict_is_left_out_with_a_warning() {
     let thinner: Attributes = &[
         ("chordal_tooth_thickness_lower_deviation", json!(-0.06)),
@@ -800,5 +821,41 @@ fn of_several_load_cases_none_is_taken_and_each_is_listed() {
         &account,
         "left: load case 1 (torque = 100.0 of cylindrical_stage_gear_data 20, torque = -189.0",
     );
-    says(&account, "load case 2 (torque = 200.0");
+    says(
+        &account,
+        "load case 2 (torque = 200.0 of cylindrical_stage_gear_data 20, torque = -378.0 of cylindrical_stage_gear_data 21): of several",
+    );
+    let account = from_bytes(under_load([None; 2], &[[100.0, -189.0]; 300]), "stage")
+        .unwrap()
+        .account;
+    says(&account, "load case 5 (");
+    says(
+        &account,
+        " and 295 more: of several load cases none is taken",
+    );
+    assert!(!account.contains("load case 6 ("), "{account}");
+}
+
+#[test]
+fn load_spectra_of_another_form_are_left_out_with_the_reason_and_geometry_is_taken() {
+    let (plain, _) = File::default().import();
+    for spectrum in [
+        json!("see sheet 2"),
+        json!({"load_cases": {"1": {}}}),
+        json!([{"load_cases": [{"id": 1, "components": 7}]}]),
+    ] {
+        let mut file: Value = serde_json::from_slice(&File::default().bytes()).unwrap();
+        file["model"]["load_spectrum"] = spectrum;
+        let imported = from_bytes(file.to_string().into_bytes(), "stage").unwrap();
+        let pair = pair::from_json(&imported.text).unwrap();
+        assert_eq!(
+            pair.geometry.center_distance,
+            plain.geometry.center_distance
+        );
+        says(
+            &imported.account,
+            "left: load_spectrum is left out, as it has another form: invalid type: ",
+        );
+        says(&imported.account, ", expected ");
+    }
 }

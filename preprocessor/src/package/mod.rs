@@ -67,6 +67,8 @@ pub fn pack(
     libraries: &[Library],
     out: &Path,
 ) -> Result<Packed, PackageError> {
+    let effects = contents.starts.check_effects();
+    effects.map_err(|reason| PackageError::starts(&reason))?;
     let mut unit = UnitFile {
         version: UNIT_VERSION,
         guid: String::new(),
@@ -211,6 +213,16 @@ mod tests {
             ("dampingOnset=0", "dampingOnset"),
             ("dampingOnset=1e9", "dampingOnset = 1000000000"),
             ("nominalTorque=0", "nominalTorque = 0"),
+            (
+                "centerDistanceEffect=true",
+                "centerDistanceEffect = true: the FMU has no tables, and constant stiffness has no such effect; make tables over a \
+                 range of `operating.center_distance_offset_um`",
+            ),
+            (
+                "misalignmentEffect=true",
+                "misalignmentEffect = true: the FMU has no tables",
+            ),
+            ("shuttlingEffect=true", "make tables with `gearmesh build`"),
         ] {
             let starts = Starts::constant_stiffness(&geometry, 100.0);
             let starts = starts.with(&[setting.parse().unwrap()]);

@@ -101,6 +101,31 @@ impl Starts {
         }
     }
 
+    /// What is wrong with an effect of tables that is switched on where there are none: constant stiffness would go on without it,
+    /// and say nothing.
+    pub(super) fn check_effects(&self) -> Result<(), String> {
+        let effects = [
+            (
+                index::CENTER_DISTANCE_EFFECT,
+                " over a range of `operating.center_distance_offset_um`",
+            ),
+            (
+                index::MISALIGNMENT_EFFECT,
+                " over a range of `operating.misalignment_mrad`",
+            ),
+            (index::SHUTTLING_EFFECT, ""),
+        ];
+        let on = |i: usize| self.value(i) == Some(1.0);
+        match effects.iter().find(|(i, _)| on(*i)) {
+            Some((i, range)) if self.table.is_none() => Err(format!(
+                "{} = true: the FMU has no tables, and constant stiffness has no such effect; make tables{range} with `gearmesh \
+                 build`, or leave it at false",
+                VARIABLES[*i].name
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// Start values by name.
     pub(crate) fn of_variables(&self, geometry: &PairGeometry) -> BTreeMap<String, f64> {
         let distance = geometry.center_distance;

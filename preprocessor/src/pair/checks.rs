@@ -277,6 +277,19 @@ pub(super) fn notes(file: &PairFile, helix: f64) -> Vec<String> {
         if let Some(errors) = &file.gear(i).tooth_errors {
             let field = in_gear(i, "tooth_errors.runout_um");
             notes.push(note(&field, errors.runout_um, 0.1));
+            let flanks = [
+                ("drive_flank", &errors.drive_flank),
+                ("coast_flank", &errors.coast_flank),
+            ];
+            for (flank, index) in flanks {
+                let list = index.iter().flat_map(|index| &index.cumulative_pitch_um);
+                let largest = list
+                    .flatten()
+                    .copied()
+                    .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+                let field = format!("tooth_errors.{flank}.cumulative_pitch_um");
+                notes.push(note(&in_gear(i, &field), largest.unwrap_or(0.0), 0.1));
+            }
         }
         let bearings = file.gear(i).shaft.iter().flat_map(|shaft| &shaft.bearings);
         for (k, bearing) in bearings.flatten().enumerate() {

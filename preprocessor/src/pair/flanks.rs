@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::checks::{
     Refusal, Refusals, STEEPEST, about, both, check, ensure, every, in_gear, limits, refusal,
-    remedy,
+    remedy, suspicious,
 };
 use super::file::{
     EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, ToothErrorsFile, ToothFlank,
@@ -47,6 +47,56 @@ pub(super) fn of_pair(
         coast: [coast1.1, coast2.1],
     };
     Ok((modified, teeth))
+}
+
+/// Notes on topographies that may be in another unit: nowhere a tenth of a micrometre.
+pub(super) fn notes(
+    file: &PairFile,
+    modified: &PairMicrogeometry,
+    teeth: &PairTeeth,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut look_at = |path: String, of: &Microgeometry| {
+        let Some(grid) = &of.topography else { return };
+        let [rolls, zs] = grid.range();
+        let [least, largest] = grid.extremes(rolls, zs).map(|place| place[2]);
+        let removal = if -least > largest { least } else { largest };
+        let um = rounded((removal / UM * 1e9).round() * 1e-9);
+        let Some(meant) = suspicious("removal_um", um, 0.1) else {
+            return;
+        };
+        let note = format!(
+            "`{path}`: removal_um = {um} at most is a suspicious value: {meant}; give it in the unit of the name"
+        );
+        // A file of both flanks counts once.
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    };
+    for (flank, name) in [
+        (Flank::Drive, "drive_flank."),
+        (Flank::Coast, "coast_flank."),
+    ] {
+        for i in 0..2 {
+            let given = file.gear(i);
+            let mut own = given.flanks().into_iter();
+            let is_own = own.any(|(prefix, own)| prefix == name && own.topography_file.is_some());
+            let prefix = if is_own { name } else { "" };
+            look_at(
+                in_gear(i, prefix) + "topography_file",
+                &modified.flank(flank)[i],
+            );
+            for tooth in &teeth.flank(flank)[i].flanks {
+                let mut all = given.tooth_errors.iter().flat_map(|errors| &errors.teeth);
+                let Some(place) = all.position(|t| t.tooth == tooth.tooth) else {
+                    continue;
+                };
+                let path = format!("tooth_errors.teeth[{place}].topography_file");
+                look_at(in_gear(i, &path), &tooth.microgeometry);
+            }
+        }
+    }
+    notes
 }
 
 /// Flanks of gear `i`.
@@ -200,7 +250,10 @@ impl Flanks<'_> {
             refusal!(field => &shown;
                 "cannot be read: {error}"; "give a CSV file beside the pair file, and that you may read")
         })?;
-        let grid = grid(&text, gear)
+        let most = 0.05 * gear.normal_module;
+        let um = rounded(most / UM);
+        let limit = format!("more than a twentieth of the normal module, {um} um");
+        let grid = grid(&text, gear, 1.5 * most, &limit)
             .map_err(|problem| refusal!(field => &shown; "{problem}"; "{GRID}"))?;
         let ([rolls, zs], face) = (grid.range(), [0.0, gear.face_width]);
         for (name, range, flank) in [("roll_mm", rolls, active), ("z_mm", zs, face)] {
@@ -211,15 +264,14 @@ impl Flanks<'_> {
                 "{name} runs from {first} to {last}, and the flank from {from} to {to} mm";
                 "give a grid that covers three quarters of the active profile and of the face at least; check its units");
         }
-        let most = 0.05 * gear.normal_module;
-        let um = rounded(most / UM);
-        let limit = format!("more than a twentieth of the normal module, {um} um");
-        ensure!(grid.largest_removal() <= 1.5 * most, field => &shown;
-            "takes off {limit}"; "give removal_um normal to the flank in micrometres");
+        let bound = grid.largest_removal();
+        ensure!(bound <= 1.5 * most, field => &shown;
+            "may take off {:.4e} um between its lines, {limit}", bound / UM;
+            "give smooth values that jump less from one line to the next");
         let [least, largest] = grid.extremes(active, face);
         let is_least = least[2].abs() > largest[2].abs();
         let [roll, z, removal] = if is_least { least } else { largest };
-        let verb = if removal < 0.0 { "adds" } else { "takes off" };
+        let verb = verb(removal);
         ensure!(removal.abs() <= 1.5 * most, field => &shown;
             "{verb} {:.4e} um at roll_mm = {:.3}, z_mm = {:.3}, {limit}", removal.abs() / UM, roll / MM, z / MM;
             "give lines at about equal distances, a grid that covers the whole active profile and the whole face, and smooth \
@@ -289,21 +341,29 @@ fn amount(given: Option<(String, &f64)>) -> f64 {
 const BEYOND: f64 = 0.25;
 
 /// What a topography is to be.
-const GRID: &str = "give CSV with a header and commas between its columns, roll_mm (or diameter_mm), z_mm and removal_um, numbers \
-    with a decimal point, and one row for every point of a full grid of at least 3 x 3 points on involute and face";
+const GRID: &str = "give CSV with a header and commas between its columns, roll_mm (or diameter_mm), z_mm and removal_um \
+    (normal to the flank), numbers with a decimal point, and one row for every point of a full grid of at least 3 x 3 points on involute and face";
 
-/// The grid in `text`, or what is wrong with it.
-fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
+/// The grid in `text`, or what is wrong with it: more than `most` (m) removed or added is more than `limit` says.
+fn grid(text: &str, gear: &Gear, most: f64, limit: &str) -> Result<Topography, String> {
     let mut reader = csv_reader(text);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     let [roll, diameter, z, removal] = ["roll_mm", "diameter_mm", "z_mm", "removal_um"]
         .map(|name| header.iter().position(|h| h == name));
-    let (Some(along), Some(z), Some(removal)) = (roll.or(diameter), z, removal) else {
+    let (Some(along_column), Some(z), Some(removal)) = (roll.or(diameter), z, removal) else {
         let found = header.iter().collect::<Vec<_>>().join(",");
         return Err(match found.contains(';') {
             true => "has semicolons between its columns".into(),
             false => format!("has the columns {found}"),
         });
+    };
+    let place = |roll_length: f64, z: f64| {
+        let along = match roll {
+            Some(_) => roll_length,
+            None => 2.0 * gear.radius_at_roll(roll_length),
+        };
+        let [along_mm, z] = [along, z].map(|m| rounded((m * 1e9).round() * 1e-6));
+        format!("{} = {along_mm}, z_mm = {z}", &header[along_column])
     };
     // Sorted by the bits of numbers that are not negative.
     let mut rows: BTreeMap<[u64; 2], f64> = BTreeMap::new();
@@ -315,15 +375,27 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
             let value = cell.parse::<f64>().ok().filter(|v| v.is_finite());
             value.ok_or_else(|| format!("line {line}: {name} = {cell}: not a finite number"))
         };
-        let (along, z, removal) = (number(along)? * MM, number(z)? * MM, number(removal)? * UM);
+        let (along_mm, z_mm, um) = (number(along_column)?, number(z)?, number(removal)?);
+        let (along, z, removal) = (along_mm * MM, z_mm * MM, um * UM);
         let roll = roll.map_or_else(|| gear.roll_length(0.5 * along), |_| along);
         if !(roll >= 0.0 && z >= 0.0) {
-            return Err(format!("line {line}: lies outside of involute and face"));
+            let (name, base) = (&header[along_column], 2.0 * gear.base_radius() / MM);
+            return Err(format!(
+                "line {line}: {name} = {along_mm}, z_mm = {z_mm}: outside of involute and face, which begin at the base circle, \
+                 {base:.3} mm in diameter, and at z = 0"
+            ));
+        }
+        if removal.abs() > most {
+            return Err(format!(
+                "line {line}: removal_um = {um} {} {limit}",
+                verb(removal)
+            ));
         }
         let point = [roll + 0.0, z + 0.0].map(f64::to_bits);
         if rows.insert(point, removal).is_some() {
+            let place = place(roll, z);
             return Err(format!(
-                "line {line}: its point stands in an earlier line, too"
+                "line {line}: {place} stands in an earlier line, too"
             ));
         }
     }
@@ -333,14 +405,27 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, String> {
     });
     let (points, lines) = (rows.len(), [rolls.len(), zs.len()]);
     if points == 0 || points != lines[0] * lines[1] {
+        let mut all = (rolls.iter()).flat_map(|&roll| zs.iter().map(move |&z| [roll, z]));
+        let missing = all.find(|point| !rows.contains_key(&point.map(f64::to_bits)));
+        let missing = missing.map_or_else(String::new, |[roll, z]| {
+            format!("; {} is missing", place(roll, z))
+        });
         return Err(format!(
-            "has {points} points, and {} x {} lines",
+            "has {points} points, and {} x {} lines{missing}",
             lines[0], lines[1]
         ));
+    }
+    if lines.iter().any(|count| *count < 3) {
+        return Err(format!("has {} x {} lines", lines[0], lines[1]));
     }
     let removal: Vec<f64> = rows.into_values().collect();
     let removal = removal.chunks(lines[1]).map(<[f64]>::to_vec).collect();
     Topography::new(rolls, zs, removal).map_err(|error| error.to_string())
+}
+
+/// What a flank does that has `removal` at a point.
+fn verb(removal: f64) -> &'static str {
+    if removal < 0.0 { "adds" } else { "takes off" }
 }
 
 /// Largest compliance factor: a tooth that is all but gone.

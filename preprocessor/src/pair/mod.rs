@@ -206,6 +206,7 @@ fn resolve_pair(
     )?;
     notes.extend(in_mesh);
     let (mut microgeometry, teeth) = flanks;
+    notes.extend(flanks::notes(file, &microgeometry, &teeth));
     temperature::expand(file, &mut geometry, &mut microgeometry)?;
     mesh::check_warm(file, &geometry, &mut notes)?;
     notes.extend(note_on_teeth(&teeth).map(str::to_owned));

@@ -107,15 +107,45 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
         (good.replacen("5.5,0,", "5.5,zero,", 1), "line 3: z_mm = zero: not a finite number"),
         (good.replacen("5.5,0,", "5.5,zero,", 1) .replace('\n', "\r\n"), "line 3: z_mm = zero: not a finite number"),
         (good.replace(',', ";"), "has semicolons between its columns"),
-        (good.replacen("5.5,5,", "5.5,0,", 1), "line 4: its point stands in an earlier line"),
-        (good.lines().take(20).collect::<Vec<_>>().join("\n"), "has 18 points, and 4 x 5 lines"),
-        (good.replacen("5.5,0,", "-5.5,0,", 1), "line 3: lies outside of involute and face"),
+        (good.replacen("5.5,5,", "5.5,0,", 1), "line 4: roll_mm = 5.5, z_mm = 0 stands in an earlier line"),
+        (good.lines().take(20).collect::<Vec<_>>().join("\n"), "has 18 points, and 4 x 5 lines; roll_mm = 16, z_mm = 20 is missing"),
+        (good.lines().take(12).collect::<Vec<_>>().join("\n"), "has 2 x 5 lines; give"),
+        (good.replacen("5.5,0,", "-5.5,0,", 1), "line 3: roll_mm = -5.5, z_mm = 0: outside of involute and face"),
+        (samples("diameter_mm,z_mm,removal_um", |r, z, um| format!("{},{z},{um}\n", 40.0 + r)), "line 3: diameter_mm = 45.5, z_mm = 0: outside of involute and face, which begin at the base circle, 7"),
+        (good.replacen("5.5,5,", "5.5,5,-999", 1), "line 4: removal_um = -9993.7875 adds more than a twentieth of the normal module, 200 um"),
         (samples(HEAD, |r, z, um| format!("{},{z},{um}\n", 1e-3 * r)), "roll_mm runs from 0.006 to 0.023, and the flank from"),
         (samples(HEAD, |r, z, um| if r < 13.0 { format!("{r},{z},{um}\n") } else { String::new() }), "roll_mm runs from 5.5 to 12.5, and the flank from"),
         (samples(HEAD, |r, z, um| format!("{r},{z},{}\n", 1e3 * um)), "a twentieth of the normal module, 200 um"),
     ];
     for (csv, words) in cases {
         assert_has(&problem(&csv), &[words]);
+    }
+}
+
+#[test]
+fn a_topography_that_may_be_in_millimetres_is_noted_with_its_largest_removal() {
+    let in_mm = samples(HEAD, |r, z, um| format!("{r},{z},{}\n", 1e-3 * um));
+    let pair = with_topography(&in_mm).unwrap();
+    let notes: Vec<_> = (pair.warnings.iter())
+        .filter(|note| note.contains("topography_file"))
+        .collect();
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert_has(
+        notes[0],
+        &[
+            "`gear1.topography_file`: removal_um = 0.0",
+            "suspicious value: 0.0",
+            " mm is ",
+        ],
+    );
+    for csv in [
+        samples(HEAD, |r, z, um| format!("{r},{z},{um}\n")),
+        samples(HEAD, |r, z, _| format!("{r},{z},0\n")),
+    ] {
+        assert!(!is_noted(
+            &with_topography(&csv).unwrap(),
+            "topography_file"
+        ));
     }
 }
 

@@ -136,7 +136,8 @@ impl PairGeometry {
     }
 
     /// Effective mass along the line of action, kg, of both gears that spin as discs between the surface that is held and the
-    /// reference cylinder.
+    /// reference cylinder: what `effectiveMass` = 0 stands for, as modelDescription.xml says. The mass that packing writes counts rim and
+    /// web, too.
     pub fn disc_mass(&self) -> f64 {
         let mobility = self.gears.each_ref().map(|gear| {
             let [reference, held] = [gear.reference_radius(), gear.held_radius].map(|r| r.powi(4));

@@ -380,6 +380,7 @@ impl Master {
                     steps: self.steps,
                     change: self.change,
                     evidence: [0.0, SETTLED],
+                    // Patience is spent: late loads are believed as soon as they move the bodies, as before.
                     rows: self.rows,
                     ..Self::new(None, 0.0, self.given)
                 };
@@ -412,13 +413,20 @@ impl Master {
     /// Lets the models depart from the mobility that they show where the bodies are far heavier: what they learn of it is a difference of
     /// nearly equal numbers then, which the weight of no change hides.
     fn depart_anew(&mut self) {
-        let [of_lag, of_loads] = self.evidence;
-        let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
-        let [found, _] = self.mobility(likely);
+        let [_, of_loads] = self.evidence;
+        let [found, _] = self.mobility(self.likely());
         let next = found.max(NO_MOBILITY * self.given);
         if of_loads > 0.0 && found > 0.0 && next < HEAVIER * self.mobility {
             self.mobility = next;
             self.models = [Model::default(); 2];
+        }
+    }
+
+    /// The lag for which there is more evidence.
+    fn likely(&self) -> Lag {
+        match self.evidence[0] > 0.0 {
+            true => Lag::One,
+            false => Lag::None,
         }
     }
 
@@ -439,8 +447,7 @@ impl Master {
             known => known,
         };
         self.lag = found;
-        let likely = if of_lag > 0.0 { Lag::One } else { Lag::None };
-        self.settled = found == Some(likely) && of_lag.abs() > SETTLED && of_loads > KNOWN;
+        self.settled = found == Some(self.likely()) && of_lag.abs() > SETTLED && of_loads > KNOWN;
     }
 
     /// Whether the forces that act with this lag move the bodies as much as forces on gears do, and without lag more than those one step late.

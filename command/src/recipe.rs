@@ -111,6 +111,12 @@ fn in_words(made: &Made, models: &ElasticModels, effort: &str) -> Listing {
         "static contact" => "{:.1} s, {} contact solves, Newton steps {} at most of {MAXIMUM_ITERATIONS} allowed, residual of the \
              contact conditions {:.1e} at most", account.contact_seconds, quality.solves, quality.most_iterations, quality.kkt_residual;
     }
+    if let Some(number) = account.more_center_distances {
+        rows! { rows;
+            "centre distances" => "{number}, as the spline through fewer of them falls between them: teeth deflect little beside \
+                 their range";
+        }
+    }
     at_build(pair, &mut rows);
     if let (Some(record), Some(seconds)) = (&made.file.root_stress, account.root_stress_seconds) {
         rows! { rows; "root stress" => "{seconds:.1} s, {}", record.interpolation_error; }

@@ -1,5 +1,6 @@
 //! What can be wrong with a table, with field, value and remedy.
 
+use super::Axis;
 use crate::gear::GeometryError;
 use crate::words::json_problem;
 use thiserror::Error;
@@ -31,15 +32,13 @@ pub enum TableError {
     /// Axes so coarse that the interpolant of the top-load minus the no-load approach may not be positive.
     #[error(
         "top_load_approach_m: the spline through top-load minus no-load approach may fall to {least_m:.2e} m between the nodes; {}",
-        closer([*.has_center_distance, *.has_misalignment])
+        closer(*.axis)
     )]
     TooCoarse {
         /// Least coefficient of that spline, m.
         least_m: f64,
-        /// Whether the table has an axis of the centre distance.
-        has_center_distance: bool,
-        /// Whether it has one of the misalignment.
-        has_misalignment: bool,
+        /// Axis whose nodes lie too far apart.
+        axis: Axis,
     },
     /// A setting of the FMU needs what the table lacks.
     #[error("{0}")]
@@ -93,28 +92,21 @@ impl TableError {
     );
 }
 
-/// What helps a table whose nodes lie too far apart, with these of the axes of centre distance and misalignment.
-fn closer(has: [bool; 2]) -> String {
-    let axes = [
-        ("centre distances", "center_distance_offset_um"),
-        ("misalignments about 0", "misalignment_mrad"),
-    ];
-    let axes: Vec<_> = axes
-        .iter()
-        .zip(has)
-        .filter_map(|(axis, has)| has.then_some(axis))
-        .collect();
-    let spaced: String = axes
-        .iter()
-        .map(|(nodes, _)| format!("{nodes} or "))
-        .collect();
-    let narrowed: String = axes
-        .iter()
-        .map(|(_, field)| format!("narrow operating.{field} or "))
-        .collect();
+/// What helps a table whose nodes along `axis` lie too far apart.
+fn closer(axis: Axis) -> String {
+    let (nodes, narrow) = match axis {
+        Axis::CenterDistance => (
+            "centre distances",
+            "narrow operating.center_distance_offset_um or ",
+        ),
+        Axis::Misalignment => (
+            "misalignments about 0",
+            "narrow operating.misalignment_mrad or ",
+        ),
+        Axis::Displacement | Axis::MeshPosition => ("mesh positions", ""),
+    };
     format!(
-        "space {spaced}mesh positions closer, with `gearmesh tables --max-error 0.002`, or {narrowed}raise \
-         operating.maximum_torque_nm in the pair file"
+        "space {nodes} closer, with `gearmesh tables --max-error 0.002`, or {narrow}raise operating.maximum_torque_nm in the pair file"
     )
 }
 
@@ -136,22 +128,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_too_coarse_are_those_that_the_table_has() {
-        let said = |has_misalignment| {
-            let error = TableError::TooCoarse {
-                least_m: -1e-8,
-                has_center_distance: true,
-                has_misalignment,
-            };
-            error.to_string()
-        };
-        let one = said(false);
-        assert!(
-            one.contains("narrow operating.center_distance_offset_um or raise"),
-            "{one}"
-        );
-        assert!(!one.contains("misalignment"), "{one}");
-        let words = "space centre distances or misalignments about 0 or mesh positions closer";
-        assert!(said(true).contains(words), "{}", said(true));
+    fn the_axis_that_is_too_coarse_is_named_with_its_field() {
+        let cases = [
+            (
+                Axis::CenterDistance,
+                "space centre distances closer",
+                "narrow operating.center_distance_offset_um or raise",
+            ),
+            (
+                Axis::Misalignment,
+                "space misalignments about 0 closer",
+                "narrow operating.misalignment_mrad or raise",
+            ),
+            (
+                Axis::MeshPosition,
+                "space mesh positions closer",
+                "or raise operating.maximum_torque_nm",
+            ),
+        ];
+        for (axis, space, narrow) in cases {
+            let least_m = -1e-8;
+            let said = TableError::TooCoarse { least_m, axis }.to_string();
+            assert!(said.contains(space) && said.contains(narrow), "{said}");
+        }
     }
 }

@@ -159,6 +159,8 @@ fn tables_have_more_centre_distances_where_little_deflection_asks_for_closer_one
         succeed!("new --teeth {teeth} {small} --name small -o {pair}");
         let shown = succeed!("tables {pair} --no-misalignment -o {tables} {QUICK}");
         contains!(shown, &format!("x {count} centre distances x"));
+        let words = "centre distances: 9, as the spline through fewer of them falls";
+        assert_eq!(shown.contains(words), count == 9, "{shown}");
         std::fs::remove_file(&pair).unwrap();
     }
 }

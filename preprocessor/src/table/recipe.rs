@@ -9,8 +9,8 @@ use crate::static_contact::{ContactError, ContactSolver, contact_settings};
 use gearmesh::contact::{ContactFile, ContactSettings, MAXIMUM_ITERATIONS};
 use gearmesh::gear::Flank;
 use gearmesh::table::{
-    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
-    RootStressRecord, TableError, TableFile, TeethRecord,
+    Axes, Axis, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError,
+    LoadSpline, RootStressRecord, TableError, TableFile, TeethRecord,
 };
 use serde_json::{Value, json};
 
@@ -120,6 +120,8 @@ pub struct Made {
 pub struct Account {
     /// How well the static solves of the force went.
     pub quality: SolveQuality,
+    /// Centre distances of the default grid, where the spline through the usual ones falls.
+    pub more_center_distances: Option<usize>,
     /// Wall clock of the choice of the misalignments and of the sweeps of force and sliding, s.
     pub contact_seconds: f64,
     /// That of root stress in tables with its elastic models, s; None: the recipe has none.
@@ -174,6 +176,9 @@ impl Recipe {
         };
         let (drive, coast, error) = sweeps.force(&source, self.max_error)?;
         account.quality = source.quality();
+        let distances = drive.axes.center_distance_offset.len();
+        let is_more = MORE_CENTER_DISTANCES.contains(&distances) && self.max_error.is_none();
+        account.more_center_distances = is_more.then_some(distances);
         let mut file = TableFile::new(
             &pair.name,
             "static tooth contact by gearmesh",
@@ -338,6 +343,9 @@ fn add_roots(
 /// Numbers of centre distances where the spline through the default ones falls, one after the other.
 const MORE_CENTER_DISTANCES: [usize; 2] = [9, 17];
 
+/// Name of the sweeps of the force in progress.
+const FORCE: &str = "static contact";
+
 /// Grids of the drive flank and of a coast flank of its own, and their error.
 type Grids = (FlankGrid, Option<FlankGrid>, InterpolationError);
 
@@ -363,9 +371,9 @@ impl Sweeps<'_> {
             self.coverage,
             &self.misalignments,
             bound,
-            &self.stage("static contact"),
+            &self.stage(FORCE),
         )?;
-        let grids = self.with_coast(solver, drive, error)?;
+        let grids = self.with_coast(solver, drive, error, FORCE)?;
         let reached = grids.2.force_rms;
         match reached > bound {
             true => Err(RecipeError::MaxError { bound, reached }),
@@ -376,18 +384,21 @@ impl Sweeps<'_> {
     /// The grids on default axes, with as few centre distances as the spline bears: where teeth deflect little beside their range, another
     /// tooth pair bears at the next one.
     fn default_grids(&self, solver: &WatchedSolver) -> Result<Grids, TableError> {
-        let has_range = self.coverage.center_distance_offset.is_some();
-        let mut more = MORE_CENTER_DISTANCES.into_iter().filter(|_| has_range);
+        let mut more = MORE_CENTER_DISTANCES.into_iter();
         let mut axes = Axes {
             misalignment: self.misalignments.clone(),
             ..default_axes(self.coverage)
         };
+        let too_few = Axis::CenterDistance;
+        let mut stage = FORCE.to_owned();
         loop {
-            let drive = self.grid(&axes, solver, Flank::Drive);
-            let made = drive.and_then(|(drive, error)| self.with_coast(solver, drive, error));
+            let drive = self.grid(&axes, solver, Flank::Drive, &stage);
+            let made =
+                drive.and_then(|(drive, error)| self.with_coast(solver, drive, error, &stage));
             match (made, more.next()) {
-                (Err(TableError::TooCoarse { .. }), Some(n)) => {
+                (Err(TableError::TooCoarse { axis, .. }), Some(n)) if axis == too_few => {
                     axes.center_distance_offset = self.coverage.offsets(n);
+                    stage = format!("{FORCE} at {n} centre distances");
                 }
                 (made, _) => return made,
             }
@@ -400,8 +411,9 @@ impl Sweeps<'_> {
         solver: &WatchedSolver,
         drive: FlankGrid,
         error: InterpolationError,
+        stage: &str,
     ) -> Result<Grids, TableError> {
-        let coast = self.on_own_coast(|flank| self.grid(&drive.axes, solver, flank))?;
+        let coast = self.on_own_coast(|flank| self.grid(&drive.axes, solver, flank, stage))?;
         let error = coast.as_ref().map_or(error, |coast| error.with(coast.1));
         Ok((drive, coast.map(|(grid, _)| grid), error))
     }
@@ -412,9 +424,10 @@ impl Sweeps<'_> {
         axes: &Axes,
         solver: &WatchedSolver,
         flank: Flank,
+        stage: &str,
     ) -> Result<(FlankGrid, InterpolationError), TableError> {
         let largest = self.coverage.maximum_torque;
-        let grid = sweep(solver, flank, axes, largest, &self.stage("static contact"))?;
+        let grid = sweep(solver, flank, axes, largest, &self.stage(stage))?;
         let table = &FlankTable::new(&grid, Interpolation::Spline)?;
         let geometry = &self.models.pair.geometry;
         let error = measure(

@@ -111,6 +111,29 @@ impl<const N: usize> Others<N> {
         }
         p.along(3, &fitted)
     }
+
+    /// The axis that makes the spline through the values of `block` fall below zero: at its nodes, splined over the others alone, they
+    /// do not, or least. The first one where that holds for several.
+    pub fn falls_along(&self, block: &Block) -> Axis {
+        let axes = [Axis::CenterDistance, Axis::Misalignment, Axis::MeshPosition];
+        let without = |left_out: Axis| {
+            let others = axes.into_iter().zip(&self.fits);
+            let others = others.filter(|(axis, _)| *axis != left_out);
+            let fitted = others.fold(block.clone(), |fitted, (axis, fit)| {
+                fit.along(axis as usize, &fitted)
+            });
+            least(&fitted).min(0.0)
+        };
+        // Of equal ones the last is the largest.
+        let highest = axes.into_iter().rev().map(|axis| (without(axis), axis));
+        let highest = highest.max_by(|a, b| a.0.total_cmp(&b.0));
+        highest.map_or(Axis::MeshPosition, |(_, axis)| axis)
+    }
+}
+
+/// The least value of `block`.
+pub fn least(block: &Block) -> f64 {
+    block.values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 type Functional = Box<dyn Fn(&[f64]) -> f64>;

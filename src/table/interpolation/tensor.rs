@@ -11,7 +11,7 @@
 //! sees to it that no force decreases over the displacement there ([`keep_increasing_beyond`]); a span that falls levels out sooner.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Others, axis, breaks, integrated, make_increasing};
+use super::fit::{Others, axis, breaks, integrated, least, make_increasing};
 use super::kernel::{ANY, Coefficients, Frame, Framed, Shape};
 use crate::root::bisection;
 use crate::table::block::Block;
@@ -66,7 +66,13 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         }
         let force = keep_increasing_beyond(&bases, &force);
         let own_moment = (grid.moment.as_ref()).filter(|_| grid.axes.misalignment.len() == 1);
-        let [no_load, span] = grid.fields().map(|field| others.fit(&field, None));
+        let fields = grid.fields();
+        let [no_load, span] = fields.each_ref().map(|field| others.fit(field, None));
+        let least_m = least(&span);
+        if least_m <= 0.0 {
+            let axis = others.falls_along(&fields[1]);
+            return Err(TableError::TooCoarse { least_m, axis });
+        }
         let parts = Parts {
             u_breaks: &breaks(nodes, degree, Ends::Onset),
             force,
@@ -83,10 +89,10 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
             let integral = |line: Vec<f64>| integrated(&line, parts.u_breaks, NU - 2);
             Coefficients::new(&block.mapped(2, block.lengths[2] + 1, integral))
         };
-        let span_levelling = span_levelling([&c, &m], &parts.span)?;
+        let span_levelling = span_levelling([&c, &m], &parts.span);
         let values = parts.no_load.values.iter();
-        let largest = values.clone().fold(0.0, |l: f64, v| l.max(v.abs()));
-        let least = values.copied().fold(f64::INFINITY, f64::min);
+        let largest = values.fold(0.0, |l: f64, v| l.max(v.abs()));
+        let least = least(&parts.no_load);
         Ok(Tensor {
             u: Basis::new(parts.u_breaks, Ends::Onset),
             shape: integral(&parts.force),
@@ -338,18 +344,7 @@ fn keep_increasing_beyond<const N: usize>(bases: &[Basis<N>; 3], force: &Block) 
 }
 
 /// How far `span` goes on beyond the ends of C and M: [`SPAN_LEVELLING`], and where it falls outwards as far as half of it is left.
-fn span_levelling<const N: usize>(
-    bases: [&Basis<N>; 2],
-    span: &Block,
-) -> Result<[[f64; 2]; 2], TableError> {
-    let least_m = span.values.iter().copied().fold(f64::INFINITY, f64::min);
-    if least_m <= 0.0 {
-        return Err(TableError::TooCoarse {
-            least_m,
-            has_center_distance: bases[0].present(),
-            has_misalignment: bases[1].present(),
-        });
-    }
+fn span_levelling<const N: usize>(bases: [&Basis<N>; 2], span: &Block) -> [[f64; 2]; 2] {
     let mut rows = span.clone();
     let mut lengths = [[f64::INFINITY; 2]; 2];
     for axis in [1, 0].into_iter().filter(|&axis| bases[axis].present()) {
@@ -375,5 +370,5 @@ fn span_levelling<const N: usize>(
         });
         lengths[axis] = levelling_length;
     }
-    Ok(lengths)
+    lengths
 }

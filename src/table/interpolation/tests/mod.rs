@@ -86,6 +86,40 @@ fn the_spline_finds_all_slopes_of_a_smooth_spring_and_shepard_errs_no_more_than_
 }
 
 #[test]
+fn nodes_too_far_apart_are_refused_with_the_axis_along_which_the_spline_falls() {
+    // Notches at one node of an axis, beside which the coefficient falls 1.73 times as deep.
+    let shape = [7, 9, 12];
+    for (axis, notches, level) in [
+        (Axis::CenterDistance, [1.0, 0.0, 0.0], 1.1),
+        (Axis::Misalignment, [0.0, 1.0, 0.0], 1.1),
+        (Axis::MeshPosition, [0.0, 0.0, 1.0], 1.1),
+        (Axis::Misalignment, [0.2, 1.0, 0.2], 1.5),
+        // Together alone: closer nodes of either help, those of the centre distance first.
+        (Axis::CenterDistance, [1.0, 1.0, 0.0], 3.1),
+    ] {
+        let mut grid = Spring::grid([10, shape[0], shape[1], shape[2]]);
+        let ends = (grid.top_load_approach.iter_mut()).zip(&grid.no_load_approach);
+        for (k, (top, low)) in ends.enumerate() {
+            let [_, m, p] = shape;
+            let place = [k / (m * p), k / p % m, k % p];
+            let depth = (0..3).map(|i| match place[i] == shape[i] / 2 {
+                true => notches[i],
+                false => 0.0,
+            });
+            *top = low + 1e-6 * (level - depth.sum::<f64>());
+        }
+        let refused = FlankTable::new(&grid, Interpolation::Spline);
+        match refused.map(|_| ()) {
+            Err(TableError::TooCoarse { least_m, axis: of }) => {
+                assert_eq!(of, axis, "{notches:?}");
+                assert!(least_m < 0.0);
+            }
+            other => panic!("{notches:?}: {other:?}"),
+        }
+    }
+}
+
+#[test]
 fn spline_reproduces_cubics_exactly() {
     // No mesh position: a cubic is not periodic.
     let mut grid = Spring::grid([9, 6, 7, 1]);

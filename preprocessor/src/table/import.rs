@@ -122,81 +122,23 @@ impl Imported {
 /// does not rise with the torque: each with line and values.
 pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, TableError> {
     let mut rows = parse(text)?;
-    let [torques, positions, offsets, misalignments] = [0, 1, 2, 3].map(|k| {
-        let mut values: Vec<f64> = rows.iter().map(|r| r.values[k]).collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        values
-    });
-    let loads = torques.len() - usize::from(torques[0] == 0.0);
-    if torques[0] < 0.0 {
-        return refused(format!(
-            "torque_nm = {}: a torque is not negative; give the loaded flank's samples only",
-            brief(torques[0])
-        ));
-    }
-    if loads < 4 {
-        return refused(format!(
-            "torque_nm has {loads} values above 0; a cubic spline needs at least 4; add values"
-        ));
-    }
-    for (name, values) in COLUMNS[1..]
-        .iter()
-        .zip([&positions, &offsets, &misalignments])
-    {
-        if let 2..4 = values.len() {
-            return refused(format!(
-                "{name} has {} values; a cubic spline needs at least 4; add values, or give a single one, which leaves the axis out",
-                values.len()
-            ));
-        }
-    }
+    let [torques, positions, offsets, misalignments] = &nodes(&rows)?;
     check_on_face(&rows, geometry)?;
     rows.sort_by(|a, b| a.key().partial_cmp(&b.key()).unwrap_or(Ordering::Equal));
-    if let Some([first, twice]) = neighbours(&rows, |a, b| a.key() == b.key()) {
-        return refused(format!(
-            "line {}: the point {} stands in line {} already; leave one of them out",
-            twice.line,
-            describe(twice.values),
-            first.line
-        ));
-    }
-    let (nt, np, nm) = (torques.len(), positions.len(), misalignments.len());
-    let total = [np, nm, offsets.len()]
-        .into_iter()
-        .fold(nt, usize::saturating_mul);
-    for i in 0..total {
-        let (t, p) = (torques[i % nt], positions[i / nt % np]);
-        let (m, c) = (misalignments[i / nt / np % nm], offsets[i / nt / np / nm]);
-        if rows.get(i).map(Row::key) != Some([c, m, p, t]) {
-            return refused(format!(
-                "no sample at {}; the grid must be complete",
-                describe([t, p, c, m, 0.0, 0.0])
-            ));
-        }
-    }
-    let lines = rows.chunks(nt).map(|line| Line::new(line, geometry));
+    check_complete(&rows, [torques, positions, offsets, misalignments])?;
+    let lines = rows.chunks(torques.len());
+    let lines = lines.map(|line| Line::new(line, geometry));
     let lines = lines.collect::<Result<Vec<_>, _>>()?;
-    // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
-    let fractions = (1..=loads).map(|k| {
-        let parts =
-            (lines.iter()).map(|l| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]));
-        parts.sum::<f64>() / lines.len() as f64
-    });
-    let mut fractions: Vec<f64> = fractions.collect();
-    fractions[loads - 1] = 1.0;
-    // Springs that start with a kink (linear ones) must not ring: the spline, which starts without,
-    // gets two more nodes below the smallest load to round the kink off within.
-    let smallest = fractions[0];
-    fractions.splice(0..0, [smallest / 16.0, smallest / 4.0]);
+    let loads = loads(torques);
+    let fractions = fractions(&lines, loads);
     let axes = Axes {
         displacement_fraction: fractions.clone(),
         center_distance_offset: offsets.iter().map(|c| 1e-6 * c).collect(),
         misalignment: misalignments.iter().map(|m| 1e-3 * m).collect(),
-        mesh_position: positions,
+        mesh_position: positions.clone(),
     };
     let (mut loa_force, mut moment) = (vec![], vec![]);
-    for block in lines.chunks(np) {
+    for block in lines.chunks(positions.len()) {
         for (k, u) in fractions.iter().enumerate() {
             for l in block {
                 let (force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
@@ -215,11 +157,93 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         sliding: None,
     };
     grid.check("samples")?;
-    let maximum_torque = torques[nt - 1];
+    let maximum_torque = torques[torques.len() - 1];
     Ok(Imported {
         grid,
         maximum_torque,
     })
+}
+
+/// Torques above 0.
+fn loads(torques: &[f64]) -> usize {
+    torques.len() - usize::from(torques[0] == 0.0)
+}
+
+/// Torques, mesh positions, centre distance offsets and misalignments of the samples, each ascending, of which there are enough.
+fn nodes(rows: &[Row]) -> Result<[Vec<f64>; 4], TableError> {
+    let nodes = [0, 1, 2, 3].map(|k| {
+        let mut values: Vec<f64> = rows.iter().map(|r| r.values[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+    });
+    let [torques, others @ ..] = &nodes;
+    if torques[0] < 0.0 {
+        return refused(format!(
+            "torque_nm = {}: a torque is not negative; give the loaded flank's samples only",
+            brief(torques[0])
+        ));
+    }
+    let loads = loads(torques);
+    if loads < 4 {
+        return refused(format!(
+            "torque_nm has {loads} values above 0; a cubic spline needs at least 4; add values"
+        ));
+    }
+    for (name, values) in COLUMNS[1..].iter().zip(others) {
+        if let 2..4 = values.len() {
+            return refused(format!(
+                "{name} has {} values; a cubic spline needs at least 4; add values, or give a single one, which leaves the axis out",
+                values.len()
+            ));
+        }
+    }
+    Ok(nodes)
+}
+
+/// Every point of the grid of torques, mesh positions, centre distance offsets and misalignments has one of the sorted `rows`.
+fn check_complete(rows: &[Row], nodes: [&Vec<f64>; 4]) -> Result<(), TableError> {
+    if let Some([first, twice]) = neighbours(rows, |a, b| a.key() == b.key()) {
+        return refused(format!(
+            "line {}: the point {} stands in line {} already; leave one of them out",
+            twice.line,
+            describe(twice.values),
+            first.line
+        ));
+    }
+    let [torques, positions, offsets, misalignments] = nodes;
+    let (nt, np, nm) = (torques.len(), positions.len(), misalignments.len());
+    let total = nodes
+        .map(Vec::len)
+        .into_iter()
+        .fold(1, usize::saturating_mul);
+    for i in 0..total {
+        let (t, p) = (torques[i % nt], positions[i / nt % np]);
+        let (m, c) = (misalignments[i / nt / np % nm], offsets[i / nt / np / nm]);
+        if rows.get(i).map(Row::key) != Some([c, m, p, t]) {
+            return refused(format!(
+                "no sample at {}; the grid must be complete",
+                describe([t, p, c, m, 0.0, 0.0])
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Displacement nodes where the samples under `loads` torques above 0 lie on average, so that inversion has little to bridge, and two below.
+fn fractions(lines: &[Line], loads: usize) -> Vec<f64> {
+    let fractions = (1..=loads).map(|k| {
+        let parts =
+            (lines.iter()).map(|l| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]));
+        parts.sum::<f64>() / lines.len() as f64
+    });
+    let mut fractions: Vec<f64> = fractions.collect();
+    fractions[loads - 1] = 1.0;
+    // Springs that start with a kink (linear ones) must not ring: the spline, which starts without,
+    // gets two more nodes below the smallest load to round the kink off within.
+    let smallest = fractions[0];
+    fractions.splice(0..0, [smallest / 16.0, smallest / 4.0]);
+    fractions
 }
 
 fn two_digits(value: f64) -> f64 {

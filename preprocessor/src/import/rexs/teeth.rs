@@ -376,22 +376,25 @@ impl Draft<'_> {
     /// Root circle and start of the usable involute: what the file gives, else what the tool cuts with the generating profile
     /// shift and the machining allowance, under a protuberance.
     pub(super) fn root(&mut self, i: usize, basic: &Basic, fields: &mut Fields) -> Result<()> {
+        let settings = self.beside(i, &[SETTINGS]);
+        let allowance = first(&settings, &["machining_allowance"])?;
+        let stock = allowance.map_or(0.0, |q| q.value.max(0.0));
+        self.root_circle(i, basic, stock, fields)?;
+        self.root_form(i, basic, stock, fields)
+    }
+
+    /// The root circle, under a machining allowance of `stock` mm.
+    fn root_circle(
+        &mut self,
+        i: usize,
+        basic: &Basic,
+        stock: f64,
+        fields: &mut Fields,
+    ) -> Result<()> {
         let name = ["gear1", "gear2"][i];
-        let (tools, settings) = (self.beside(i, &TOOLS), self.beside(i, &[SETTINGS]));
         let nominal = number(fields, "profile_shift_iso_21771").unwrap_or(0.0);
         let generating = self.generated_shift(i)?.map_or(nominal, |limits| limits[0]);
-        let allowance = first(&settings, &["machining_allowance"])?.filter(|q| q.value > 0.0);
-        let protuberance = match first(&tools, &["protuberance_amount"])? {
-            Some(given) => Some(given),
-            None => first(&tools, &["protuberance_amount_factor"])?.map(|factor| Given {
-                value: rounded(factor.value * basic.module),
-                ..factor
-            }),
-        };
-        let protuberance = protuberance.filter(|given| given.value > 0.0);
-        let angle = first(&tools, &["protuberance_angle"])?;
         // A tool that leaves an allowance stands farther out.
-        let stock = allowance.as_ref().map_or(0.0, |q| q.value);
         let generated = generating + stock / (basic.module * basic.alpha.sin());
         let cut = number(fields, "dedendum_coefficient").map(|dedendum| {
             (basic.reference_diameter(i) + 2.0 * basic.module * (generated - dedendum)).abs()
@@ -422,8 +425,28 @@ impl Draft<'_> {
             }
             _ => {}
         }
-        let Some(protuberance) =
-            protuberance.filter(|_| !fields.contains_key("root_form_diameter_mm"))
+        Ok(())
+    }
+
+    /// The start of the usable involute that a protuberance leaves, of which grinding takes off `stock` mm.
+    fn root_form(
+        &mut self,
+        i: usize,
+        basic: &Basic,
+        stock: f64,
+        fields: &mut Fields,
+    ) -> Result<()> {
+        let (name, tools) = (["gear1", "gear2"][i], self.beside(i, &TOOLS));
+        let protuberance = match first(&tools, &["protuberance_amount"])? {
+            Some(given) => Some(given),
+            None => first(&tools, &["protuberance_amount_factor"])?.map(|factor| Given {
+                value: rounded(factor.value * basic.module),
+                ..factor
+            }),
+        };
+        let angle = first(&tools, &["protuberance_angle"])?;
+        let Some(protuberance) = protuberance
+            .filter(|given| given.value > 0.0 && !fields.contains_key("root_form_diameter_mm"))
         else {
             return Ok(());
         };

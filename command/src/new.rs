@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use askama::Template;
-use clap::Args;
+use clap::{Args, Command};
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::gear::Pair;
 use gearmesh_preprocessor::import::rexs;
@@ -99,17 +99,6 @@ impl Usual {
 /// Least addendum that teeth are shortened to, over the module.
 const LEAST_ADDENDUM: f64 = 0.5;
 
-/// Parts of the names of fields that options give.
-const OPTIONS: [&str; 7] = [
-    "teeth",
-    "module",
-    "face_width",
-    "torque",
-    "helix_angle",
-    "pressure_angle",
-    "name",
-];
-
 impl New {
     fn is_internal(&self) -> bool {
         self.internal || self.has_signs()
@@ -128,11 +117,14 @@ impl New {
         self.check_teeth()?;
         let mut addendum = [1.0; 2];
         let (text, pair) = loop {
-            match self.made(addendum) {
+            let error = match self.made(addendum) {
                 Ok(made) => break made,
+                Err(error) => error.downcast::<PairError>()?,
+            };
+            match *error {
                 // Few teeth come to a point below the usual tip circle, or reach into the mate's root.
-                Err(PairError::Refused(refusals)) if shorten(&mut addendum, &refusals) => {}
-                Err(error) => return Err(self.explained(error)),
+                PairError::Refused(refusals) if shorten(&mut addendum, &refusals) => {}
+                error => return Err(self.explained(error)),
             }
         };
         let notes = pair.warnings.iter().map(|note| format!("note: {note}\n"));
@@ -140,13 +132,13 @@ impl New {
     }
 
     /// The file of teeth with this addendum (over the module), and its pair.
-    fn made(&self, addendum: [f64; 2]) -> Result<(String, Pair), PairError> {
+    fn made(&self, addendum: [f64; 2]) -> Result<(String, Pair)> {
         let mut usual = Usual {
             backlash_um: 0.0,
             tool_tip_radius: [0.0; 2],
             addendum,
         };
-        let mut bare = self.text(&usual, "");
+        let mut bare = self.text(&usual, "")?;
         for field in ["\"backlash_um\"", "\"tool_tip_radius_coefficient\""] {
             bare = bare.replace(field, &format!("// {field}"));
         }
@@ -156,7 +148,7 @@ impl New {
         usual.tool_tip_radius = gears
             .each_ref()
             .map(|gear| gear.tool_tip_radius_coefficient);
-        let text = self.text(&usual, &derived(&bare));
+        let text = self.text(&usual, &derived(&bare))?;
         let pair = pair::from_json(&text)?;
         Ok((text, pair))
     }
@@ -183,7 +175,12 @@ impl New {
 
     /// `error` of a file of this pair, with what can be done by options.
     fn explained(&self, error: PairError) -> Error {
-        let is_option = |field: &str| OPTIONS.iter().any(|option| field.contains(option));
+        // Names of fields have those of their options in them.
+        let command = New::augment_args(Command::new("new"));
+        let is_option = |field: &str| {
+            let mut options = command.get_arguments();
+            options.any(|option| field.contains(option.get_id().as_str()))
+        };
         match &error {
             PairError::Refused(refusals) if !refusals.all().iter().all(|r| is_option(&r.field)) => {
                 let (one, two) = (self.teeth[0], self.teeth[1]);
@@ -217,7 +214,7 @@ impl New {
     }
 
     /// The file; `derived` is a comment on what follows from it.
-    fn text(&self, usual: &Usual, derived: &str) -> String {
+    fn text(&self, usual: &Usual, derived: &str) -> askama::Result<String> {
         let stem = self.output.as_deref().and_then(|path| path.file_stem());
         let name = self.name.clone().unwrap_or_else(|| match stem {
             Some(stem) => stem.to_string_lossy().into_owned(),
@@ -238,8 +235,7 @@ impl New {
             closer: rounded((50.0 * module).min(20.0)),
             apart: rounded((125.0 * module).min(50.0)),
         };
-        // Only a formatter that fails makes it fail, and that of text does not.
-        file.render().unwrap_or_default() + "\n"
+        Ok(file.render()? + "\n")
     }
 
     /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with z_min = 2 / sin²

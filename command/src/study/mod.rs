@@ -206,14 +206,7 @@ impl Study {
             forecast: None,
             job,
         };
-        let of_point = |point: usize| (0..=samples).map(move |number| (point, number));
-        let mut search_ended = None;
-        if setup.plan.is_optimized() {
-            work.solve(&setup, of_point(0))?;
-            search_ended = Some(work.optimize(&mut setup, samples, points)?);
-        } else {
-            work.solve(&setup, (0..=points).flat_map(of_point))?;
-        }
+        let search_ended = work.solve_all(&mut setup, samples, points)?;
         let Work {
             done, job, table, ..
         } = work;
@@ -221,30 +214,9 @@ impl Study {
         // Other requirements mark the same samples anew.
         setup.write(&table, &done)?;
 
-        let found = setup.best(&done)?;
-        let mut statistics = setup.spread(&done, 0)?;
-        let mut violations = setup.violations(&done, 0);
-        if let Some(found) = &found {
-            statistics.extend(setup.spread(&done, found.point)?);
-            violations.extend(setup.violations(&done, found.point));
-        }
-        self.write_best(
-            &setup,
-            found.as_ref().map(|found| found.point),
-            &known.pair,
-            &best,
-        )?;
-        // More samples than requested now stay in the table.
-        let samples = done.iter().map(|s| s.number).max().unwrap_or(0);
-        let nearest = setup.nearest(&done).filter(|_| found.is_none());
-        let all = Summary {
-            best: found,
-            nearest,
-            statistics,
-            violations,
-            search_ended,
-            ..Summary::new(&setup, &known, done, samples)
-        };
+        let all = judged(&setup, &known, done, search_ended)?;
+        let found = all.best.as_ref().map(|found| found.point);
+        self.write_best(&setup, found, &known.pair, &best)?;
         all.write(&summary)?;
         let text = all.text();
         let figures = self.output.join("figures");
@@ -299,6 +271,33 @@ impl Study {
     }
 }
 
+/// The summary of all samples that are `done`.
+fn judged<'a>(
+    setup: &'a Setup,
+    known: &'a Known,
+    done: Vec<Sample>,
+    search_ended: Option<bool>,
+) -> Result<Summary<'a>> {
+    let found = setup.best(&done)?;
+    let mut statistics = setup.spread(&done, 0)?;
+    let mut violations = setup.violations(&done, 0);
+    if let Some(found) = &found {
+        statistics.extend(setup.spread(&done, found.point)?);
+        violations.extend(setup.violations(&done, found.point));
+    }
+    // More samples than requested now stay in the table.
+    let samples = done.iter().map(|s| s.number).max().unwrap_or(0);
+    let nearest = setup.nearest(&done).filter(|_| found.is_none());
+    Ok(Summary {
+        best: found,
+        nearest,
+        statistics,
+        violations,
+        search_ended,
+        ..Summary::new(setup, known, done, samples)
+    })
+}
+
 /// A time ahead, as exact as a forecast is.
 fn about(time: Duration) -> String {
     match time.as_secs() {
@@ -324,6 +323,23 @@ struct Work {
 }
 
 impl Work {
+    /// Solves the `samples` of all points, or of those that the optimizer tries, `points` at most; returns whether its search came to an
+    /// end, None without one.
+    fn solve_all(
+        &mut self,
+        setup: &mut Setup,
+        samples: usize,
+        points: usize,
+    ) -> Result<Option<bool>> {
+        let of_point = |point: usize| (0..=samples).map(move |number| (point, number));
+        if setup.plan.is_optimized() {
+            self.solve(setup, of_point(0))?;
+            return self.optimize(setup, samples, points).map(Some);
+        }
+        self.solve(setup, (0..=points).flat_map(of_point))?;
+        Ok(None)
+    }
+
     /// Solves those of `samples`, by point and number, that are not there, and keeps them on disk.
     fn solve(
         &mut self,

@@ -96,8 +96,15 @@ def decibels(amplitude: Array | float, reference: float) -> Array:
 def orders(history: History, signal: str, orders: Sequence[float], revolutions: float) -> Orders:
     """Amplitudes of orders over windows of the shaft's angle.
 
-    A Hann window over the angle passes an order that is 2 / `revolutions` away from those asked for not at all, and
-    nearer ones in part. Windows overlap by half. The mean over each window is left out.
+    With the angle theta of the shaft, in each window from theta0 on,
+
+        amplitude = 2 |sum w(theta_i) (x_i - mean) exp(-j order theta_i) dtheta_i| / sum w(theta_i) dtheta_i,
+
+        w(theta) = sin^2((theta - theta0) / (2 revolutions)), dtheta_i = (theta_i+1 - theta_i-1) / 2,
+
+    and the mean by the same weights. As Hann's window w lies over the angle, no order that is a multiple of
+    1 / `revolutions`, and 2 / `revolutions` or more, away from those asked for enters, however the speed changes; nearer
+    ones enter in part. Windows overlap by half.
 
     Parameters
     ----------
@@ -119,21 +126,28 @@ def orders(history: History, signal: str, orders: Sequence[float], revolutions: 
     GearmeshError
         The history is shorter than a window, or has less than 16 samples in each.
     """
+    wanted = np.asarray(orders, dtype=float)
+    middle, phasors = _phasors(history, signal, wanted, revolutions)
+    return Orders(history.speed_rpm[middle], history.time_s[middle], wanted, np.abs(phasors), signal)
+
+
+def _phasors(history: History, signal: str, wanted: Array, revolutions: float) -> tuple[list[int], NDArray[np.complex128]]:
+    """Row in the middle of each window, and what `orders` takes the amplitude of, (n, m): a cos(order theta + b) has
+    a exp(j b), with theta from the first row on."""
     angle = np.abs(history.angle_rad - history.angle_rad[0])
+    steps = np.gradient(angle)
     edges = np.arange(0.0, angle[-1], np.pi * revolutions)
     cuts = np.searchsorted(angle, edges)
-    wanted = np.asarray(orders, dtype=float)
-    windows = [(a, b) for a, b in zip(cuts[:-2], cuts[2:]) if b - a >= 16]
+    windows = [window for window in zip(edges, cuts, cuts[1:], cuts[2:]) if window[3] - window[1] >= 16]
     if not windows:
         raise GearmeshError(f"revolutions = {revolutions}: the history has no window of that length with 16 samples or more")
     rows = []
-    for a, b in windows:
+    for start, a, _, b in windows:
         part, turn = history[signal][a:b], angle[a:b]
-        weights = np.hanning(b - a) * np.gradient(turn)
+        weights = np.sin((turn - start) / (2.0 * revolutions)) ** 2 * steps[a:b]
         part = part - np.average(part, weights=weights)
-        rows.append(2.0 * np.abs(np.exp(-1j * np.outer(wanted, turn)) @ (part * weights)) / weights.sum())
-    middle = [(a + b) // 2 for a, b in windows]
-    return Orders(history.speed_rpm[middle], history.time_s[middle], wanted, np.array(rows), signal)
+        rows.append(2.0 * np.exp(-1j * np.outer(wanted, turn)) @ (part * weights) / weights.sum())
+    return [middle for _, _, middle, _ in windows], np.array(rows)
 
 
 def campbell(history: History, signal: str, window_s: float = 0.04) -> Campbell:

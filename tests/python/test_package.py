@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from conftest import ALIGNED, GEARMESH, PAIRS, QUICK, TABLES, oscillator, pair_files
 from gearmesh import History, plots
+from gearmesh.analysis import _phasors
 from gearmesh.energy import Ledger, mesh_energy, mesh_loss, wrench_residual
 from gearmesh.poses import generalised, place
 from gearmesh.sweep import grid, sweep
@@ -239,6 +240,23 @@ def test_orders_of_a_chirp_are_its_amplitudes(chirp):
         found.of(4)
     with pytest.raises(gearmesh.GearmeshError, match="revolutions"):
         gearmesh.orders(chirp, "chirp_um", [3.0], revolutions=1000.0)
+
+
+def test_an_order_keeps_amplitude_and_phase_beside_its_neighbour_while_the_speed_rises_by_a_quarter():
+    """From 100 to 128 rad/s within a turn."""
+    rise = (128.0**2 - 100.0**2) / 2.0 / math.tau
+    time = np.arange(0.0, 0.056, 5e-5)
+    angle = 100.0 * time + 0.5 * rise * time**2
+    signal = 7.0 + 3.0 * np.cos(20.0 * angle + 1.0) + np.sin(22.0 * angle)
+    history = History(time, angle, (100.0 + rise * time) * 30.0 / math.pi, {"x_um": signal})
+    wanted = np.array([18.0, 20.0, 22.0, 24.0])
+    _, found = _phasors(history, "x_um", wanted, 1.0)
+    expected = np.array([[0.0, 3.0 * np.exp(1j), -1j, 0.0]])
+    assert found.shape == expected.shape and np.abs(found - expected).max() < 1e-6
+    found = gearmesh.orders(history, "x_um", wanted, revolutions=1.0)
+    assert found.amplitude == pytest.approx(np.abs(expected), abs=1e-6)
+    # Half of the turn is over at that speed, whatever the time.
+    assert found.speed_rpm == pytest.approx([math.sqrt(0.5 * (100.0**2 + 128.0**2)) * 30.0 / math.pi], rel=1e-3)
 
 
 def test_the_spectra_of_a_chirp_peak_where_its_order_is(chirp):

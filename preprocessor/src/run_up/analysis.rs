@@ -3,6 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+use nalgebra::Complex;
+
 use super::History;
 
 /// Values over the mean speed of a window, rad/s.
@@ -50,9 +52,24 @@ impl History {
             .collect()
     }
 
-    /// Amplitude, 0 to peak, of what repeats `order` times a turn of gear 1 in `signal`, in Hann windows of `turns` of gear 1
-    /// that overlap by half. An order 2 / `turns` away from it does not enter.
+    /// Amplitude, 0 to peak, of what repeats `order` times a turn of gear 1 in `signal`, in windows of `turns` of gear 1 that overlap
+    /// by half. With the angle theta of gear 1, each window from theta0 on,
+    ///
+    /// amplitude = 2 |sum w(theta_i) (x_i - mean) e^(-j order theta_i) dtheta_i| / sum w(theta_i) dtheta_i,
+    ///
+    /// w(theta) = sin^2((theta - theta0) / (2 turns)), dtheta_i = (theta_i+1 - theta_i-1) / 2,
+    ///
+    /// and the mean by the same weights. As Hann's window w lies over the angle, no order that is a multiple of 1 / `turns`, and
+    /// 2 / `turns` or more, away enters, however the speed changes. The speed of a window is the mean by these weights.
     pub fn order(&self, signal: &[f64], order: f64, turns: f64) -> OverSpeed {
+        let found = self.phasors(signal, order, turns).into_iter();
+        found
+            .map(|(speed, phasor)| (speed, phasor.norm()))
+            .collect()
+    }
+
+    /// What `order` takes the amplitude of: a cos(`order` theta + b) has a e^(j b), with theta from the first sample on.
+    fn phasors(&self, signal: &[f64], order: f64, turns: f64) -> Vec<(f64, Complex<f64>)> {
         let angles = self.angle.iter().map(|a| (a - self.angle[0]).abs());
         let angles: Vec<f64> = angles.collect();
         let Some(last) = angles.last() else {
@@ -62,16 +79,24 @@ impl History {
         let count = (last / half) as usize;
         (1..count)
             .map(|k| {
+                let [start, end] = [-1.0, 1.0].map(|side| (k as f64 + side) * half);
                 // Angles rise, but for the swing of the teeth.
-                let [start, end] = [-1.0, 1.0]
-                    .map(|side| (k as f64 + side) * half)
-                    .map(|edge| angles.partition_point(|angle| *angle < edge));
-                start..end
+                let [first, after] =
+                    [start, end].map(|edge| angles.partition_point(|angle| *angle < edge));
+                let weight = |i: usize| {
+                    let neighbours = [i.saturating_sub(1), (i + 1).min(angles.len() - 1)];
+                    let [before, next] = neighbours.map(|i| angles[i]);
+                    hann((angles[i] - start) / (end - start)) * 0.5 * (next - before)
+                };
+                Window {
+                    rows: first..after,
+                    weights: (first..after).map(weight).collect(),
+                }
             })
-            .filter(|rows| rows.len() >= 16)
-            .map(|rows| {
-                let (speed, rows) = self.window(rows);
-                (speed, amplitude(signal, &rows, |i| order * angles[i]))
+            .filter(|window| window.rows.len() >= 16)
+            .map(|window| {
+                let phasor = window.phasor(signal, |i| order * angles[i]);
+                (window.mean(&self.speed), phasor)
             })
             .collect()
     }
@@ -85,58 +110,68 @@ impl History {
         duration: f64,
     ) -> Vec<(f64, Vec<f64>)> {
         let count = self.samples(duration);
+        let share = |k: usize| (k as f64 + 0.5) / count as f64;
+        let weights: Vec<f64> = (0..count).map(|k| hann(share(k))).collect();
         let starts = (0..self.time.len()).step_by((count / 2).max(1));
         starts
             .take_while(|start| start + count <= self.time.len())
             .map(|start| {
                 let (speed, rows) = self.window(start..start + count);
-                (
-                    speed,
-                    frequencies
-                        .iter()
-                        .map(|f| amplitude(signal, &rows, |i| TAU * f * self.time[i]))
-                        .collect(),
-                )
+                let weights = weights.clone();
+                let window = Window { rows, weights };
+                let amplitude = |f| window.phasor(signal, |i| TAU * f * self.time[i]).norm();
+                (speed, frequencies.iter().map(amplitude).collect())
             })
             .collect()
     }
 }
 
-/// Amplitude of cos(phase) in `signal` over `rows` under a Hann window, without the mean.
-fn amplitude(signal: &[f64], rows: &Range<usize>, phase: impl Fn(usize) -> f64) -> f64 {
-    let n = rows.len() as f64;
-    let window = (0..rows.len()).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n).cos());
-    let window: Vec<f64> = window.collect();
-    let weights: f64 = window.iter().sum();
-    let mean = rows
-        .clone()
-        .zip(&window)
-        .map(|(i, weight)| weight * signal[i])
-        .sum::<f64>()
-        / weights;
-    let (mut real, mut imaginary) = (0.0, 0.0);
-    for (i, weight) in rows.clone().zip(&window) {
-        let (sin, cos) = phase(i).sin_cos();
-        let value = weight * (signal[i] - mean);
-        real += value * cos;
-        imaginary += value * sin;
+/// Hann's window at a share, 0 to 1, of its length.
+fn hann(share: f64) -> f64 {
+    0.5 - 0.5 * (TAU * share).cos()
+}
+
+/// Rows with the weight of each.
+struct Window {
+    rows: Range<usize>,
+    weights: Vec<f64>,
+}
+
+impl Window {
+    fn weighted(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.rows.clone().zip(self.weights.iter().copied())
     }
-    2.0 * f64::hypot(real, imaginary) / weights
+
+    fn mean(&self, signal: &[f64]) -> f64 {
+        let sum: f64 = self.weighted().map(|(i, weight)| weight * signal[i]).sum();
+        sum / self.weights.iter().sum::<f64>()
+    }
+
+    /// a e^(j b) of a cos(phase + b) in `signal`, without the mean.
+    fn phasor(&self, signal: &[f64], phase: impl Fn(usize) -> f64) -> Complex<f64> {
+        let mean = self.mean(signal);
+        let terms = self
+            .weighted()
+            .map(|(i, weight)| Complex::from_polar(weight * (signal[i] - mean), -phase(i)));
+        terms.sum::<Complex<f64>>() * 2.0 / self.weights.iter().sum::<f64>()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Gear 1 speeding up from 100 to 200 rad/s within a second; order 20 with the amplitude 3 and order 22 with 1.
-    fn history() -> (History, Vec<f64>) {
-        let time: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 5e-5).collect();
-        let angle: Vec<f64> = time.iter().map(|t| 100.0 * t + 50.0 * t * t).collect();
+    /// Gear 1 from 100 rad/s on, `rise` rad/s faster each second, for `duration` s; order 20 with the amplitude 3 and order 22 with 1.
+    fn rising_by(rise: f64, duration: f64) -> (History, Vec<f64>) {
+        let count = (duration / 5e-5) as usize;
+        let time: Vec<f64> = (0..count).map(|i| i as f64 * 5e-5).collect();
+        let angle = time.iter().map(|t| 100.0 * t + 0.5 * rise * t * t);
+        let angle: Vec<f64> = angle.collect();
         let signal = angle
             .iter()
             .map(|a| 7.0 + 3.0 * (20.0 * a + 1.0).cos() + (22.0 * a).sin());
         let signal = signal.collect();
-        let speed = time.iter().map(|t| 100.0 + 100.0 * t).collect();
+        let speed = time.iter().map(|t| 100.0 + rise * t).collect();
         let history = History {
             time,
             angle,
@@ -144,6 +179,10 @@ mod tests {
             ..History::default()
         };
         (history, signal)
+    }
+
+    fn history() -> (History, Vec<f64>) {
+        rising_by(100.0, 1.0)
     }
 
     #[test]
@@ -155,11 +194,34 @@ mod tests {
             for (speed, amplitude) in found {
                 assert!((100.0..200.0).contains(&speed));
                 assert!(
-                    (amplitude - expected).abs() < 0.03,
+                    (amplitude - expected).abs() < 1e-6,
                     "{order}: {amplitude} at {speed}"
                 );
             }
         }
+    }
+
+    #[test]
+    fn an_order_keeps_amplitude_and_phase_beside_its_neighbour_while_the_speed_rises_by_a_quarter()
+    {
+        // From 100 to 128 rad/s within a turn.
+        let (history, signal) =
+            rising_by((128.0f64.powi(2) - 100.0f64.powi(2)) / (2.0 * TAU), 0.056);
+        for (order, expected) in [
+            (18.0, Complex::ZERO),
+            (20.0, Complex::from_polar(3.0, 1.0)),
+            (22.0, Complex::from_polar(1.0, -0.5 * PI)),
+            (24.0, Complex::ZERO),
+        ] {
+            let found = history.phasors(&signal, order, 1.0);
+            assert_eq!(found.len(), 1);
+            let error = (found[0].1 - expected).norm();
+            assert!(error < 1e-6, "{order}: {error:e}");
+        }
+        // Near the speed at which half of the turn is over; 114 rad/s is that at which half of the time is.
+        let middle = (0.5 * (100.0f64.powi(2) + 128.0f64.powi(2))).sqrt();
+        let speed = history.order(&signal, 20.0, 1.0)[0].0;
+        assert!((speed - middle).abs() < 0.2, "{speed} {middle}");
     }
 
     #[test]

@@ -1,29 +1,8 @@
 //! The axes of a grid and what they must fulfil.
 
-use super::TableError;
 use super::error::refused;
+use super::{Axis, TableError};
 use serde::{Deserialize, Serialize};
-
-/// A coordinate of the grid, in the order of [`Axes::lengths`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Axis {
-    CenterDistance,
-    Misalignment,
-    Displacement,
-    MeshPosition,
-}
-
-impl Axis {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Axis::CenterDistance => "center_distance_offset_m",
-            Axis::Misalignment => "misalignment_rad",
-            Axis::Displacement => "displacement_fraction",
-            Axis::MeshPosition => "mesh_position",
-        }
-    }
-}
 
 /// Nodes of the grid, SI. An axis with one node is not there: nothing depends on that coordinate.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! What can be wrong with a table, with field, value and remedy.
 
-use super::Axis;
+use super::axis::Axis;
 use crate::gear::GeometryError;
 use crate::words::json_problem;
 use thiserror::Error;

@@ -9,6 +9,7 @@
 //! dW/dC and dW/dPMC close the energy balance.
 
 mod axes;
+mod axis;
 mod block;
 mod error;
 mod file;
@@ -21,7 +22,8 @@ pub mod samples;
 mod teeth;
 
 pub use crate::accuracy::{InterpolationError, RootStressError};
-pub use axes::{Axes, Axis, least_distance};
+pub use axes::{Axes, least_distance};
+pub use axis::Axis;
 pub use error::TableError;
 pub use file::{TableFile, VERSION};
 pub use grid::FlankGrid;

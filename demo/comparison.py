@@ -122,7 +122,7 @@ def stiffness_beside_table_2(results: Results) -> str:
     ours = UM * force * cos_phi / results.static["unmodified"][100].mean_ste_loa_um
     place, changes = ("below", "lowers") if ours < np.mean(PAPER_STIFFNESS) else ("above", "raises")
     return (
-        f"The mean stiffness of our unmodified pair is {ours:.2e} N/m, {place} that of Table 2 (see mean STE), which {changes} the gains; "
+        f"The mean stiffness of our unmodified pair is {ours:.2e} N/m, {place} the mean of Table 2 (see mean STE), which {changes} the gains; "
         "and it varies over the cycle, which the linear gains leave out."
     )
 

@@ -114,7 +114,7 @@ fn in_words(made: &Made, models: &ElasticModels, effort: &str) -> Listing {
     if let Some(number) = account.more_center_distances {
         rows! { rows;
             "centre distances" => "{number}, as the spline through fewer of them falls between them: teeth deflect little beside \
-                 their range";
+                 the range of centre distances";
         }
     }
     at_build(pair, &mut rows);

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from .dynamics import Array, History
 from .errors import GearmeshError
 
+#: How far a shaft that turns in one sense may swing back with its teeth, rad.
+TURNED_BACK = np.pi / 50
+
 
 @dataclass(frozen=True)
 class Orders:
@@ -124,7 +127,7 @@ def orders(history: History, signal: str, orders: Sequence[float], revolutions: 
     Raises
     ------
     GearmeshError
-        The history is shorter than a window, or has less than 16 samples in each.
+        The history is shorter than a window, has less than 16 samples in each, or its shaft turns back.
     """
     wanted = np.asarray(orders, dtype=float)
     middle, phasors = _phasors(history, signal, wanted, revolutions)
@@ -134,9 +137,16 @@ def orders(history: History, signal: str, orders: Sequence[float], revolutions: 
 def _phasors(history: History, signal: str, wanted: Array, revolutions: float) -> tuple[list[int], NDArray[np.complex128]]:
     """Row in the middle of each window, and what `orders` takes the amplitude of, (n, m): a cos(order theta + b) has
     a exp(j b), with theta from the first row on."""
-    angle = np.abs(history.angle_rad - history.angle_rad[0])
+    turned = history.angle_rad - history.angle_rad[0]
+    angle = turned * np.sign(turned[-1])
+    back = (np.maximum.accumulate(angle) - angle).max()
+    if back > TURNED_BACK:
+        raise GearmeshError(f"angle_rad turns back by {back:.3g} rad: give a history in which the shaft turns in one sense")
+    if revolutions <= 0.0:
+        raise GearmeshError(f"revolutions = {revolutions}: give a number above 0")
     steps = np.gradient(angle)
-    edges = np.arange(0.0, angle[-1], np.pi * revolutions)
+    half = np.pi * revolutions
+    edges = half * np.arange(int(angle[-1] / half) + 1)
     cuts = np.searchsorted(angle, edges)
     windows = [window for window in zip(edges, cuts, cuts[1:], cuts[2:]) if window[3] - window[1] >= 16]
     if not windows:

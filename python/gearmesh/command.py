@@ -358,6 +358,11 @@ def solve(
     Returns
     -------
     MeshCycle
+
+    Raises
+    ------
+    TypeError
+        Several loads or misalignments: `solve_all` takes them.
     """
     for name, value in (("torque_nm", torque_nm), ("misalignment_mrad", misalignment_mrad)):
         if np.ndim(value) > 0:

@@ -238,8 +238,12 @@ def test_orders_of_a_chirp_are_its_amplitudes(chirp):
     assert gearmesh.orders(down, "chirp_um", [3.0], revolutions=2.0).of(3)[:20] == pytest.approx(np.full(20, 3.0), rel=2e-3)
     with pytest.raises(gearmesh.GearmeshError, match="order 4 was not analysed"):
         found.of(4)
-    with pytest.raises(gearmesh.GearmeshError, match="revolutions"):
-        gearmesh.orders(chirp, "chirp_um", [3.0], revolutions=1000.0)
+    for revolutions in (1000.0, 0.0):
+        with pytest.raises(gearmesh.GearmeshError, match="revolutions"):
+            gearmesh.orders(chirp, "chirp_um", [3.0], revolutions=revolutions)
+    back = History(chirp.time_s, np.sin(chirp.angle_rad), chirp.speed_rpm, {"chirp_um": chirp["chirp_um"]})
+    with pytest.raises(gearmesh.GearmeshError, match="turns back by"):
+        gearmesh.orders(back, "chirp_um", [3.0], revolutions=0.1)
 
 
 def test_an_order_keeps_amplitude_and_phase_beside_its_neighbour_while_the_speed_rises_by_a_quarter():

@@ -62,7 +62,7 @@ impl ModelSettings {
             flank,
             &self.finite_elements(pair),
             self.cache.as_ref(),
-            &report("model of the fillets", progress),
+            &report("models of the fillets", progress),
         )?;
         Ok(RootModels {
             maps: models.gears,
@@ -125,7 +125,7 @@ impl ElasticModels {
             pair,
             &settings.finite_elements(pair),
             settings.cache.as_ref(),
-            &report("elastic model", progress),
+            &report("elastic models", progress),
         )?;
         let [first, second] = models.gears;
         let compliance: [Arc<dyn ToothCompliance>; 2] = [first, second];
@@ -166,22 +166,26 @@ impl ElasticModels {
     }
 }
 
-/// Reports to `progress` how far the models are that `model` names: of two gears at once the one that is behind.
+/// Share of the work on a model that its condensation is.
+const CONDENSATION: f64 = 0.6;
+
+/// Reports to `progress` how far the `models` of both gears are.
 fn report<'a>(
-    model: &'a str,
+    models: &'a str,
     progress: StageProgress<'a>,
 ) -> impl Fn(usize, Stage, f64) -> bool + Sync + 'a {
-    let last: Mutex<[Option<(Stage, f64)>; 2]> = Mutex::new([None; 2]);
+    let done: Mutex<[Option<f64>; 2]> = Mutex::new([None; 2]);
     move |gear, stage, share| {
-        let now = Some((stage, share));
-        let other = {
-            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-            last[gear] = now;
-            last[1 - gear]
+        let share = match stage {
+            Stage::Assembly | Stage::Condensation => CONDENSATION * share,
+            Stage::Ring => CONDENSATION + (1.0 - CONDENSATION) * share,
         };
-        if other.is_none() || now <= other {
-            progress(&format!("{model} of gear {}: {stage}", gear + 1), share);
-        }
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        done[gear] = Some(share);
+        // Of a gear that is kept or is like the other nothing is heard.
+        let heard: Vec<f64> = done.iter().copied().flatten().collect();
+        drop(done);
+        progress(models, heard.iter().sum::<f64>() / heard.len() as f64);
         true
     }
 }

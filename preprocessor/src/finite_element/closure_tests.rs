@@ -71,7 +71,7 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     let columns: Vec<LoadColumn> = ([0, 1, 11].into_iter())
         .flat_map(|s| sector.loads.iter().map(move |load| on_sector(s, load)))
         .collect();
-    let direct = condense(&whole, &columns, columns.len(), &|_| true)
+    let direct = condense(&whole, &columns, columns.len(), 1.0, &|_| true)
         .unwrap()
         .held_influence;
 

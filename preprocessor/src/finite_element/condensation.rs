@@ -17,7 +17,6 @@ use super::mesh::{LoadColumn, Mesh};
 use super::periodic_body::PeriodicBody;
 use super::sector_nodes::SectorNodes;
 use nalgebra::DMatrix;
-use std::sync::{Mutex, PoisonError};
 
 pub(super) struct CondensedSector {
     /// Stiffness of both sides, side 0 first, and of the nodes between them at which the body begins, N/m; lower triangle valid.
@@ -35,11 +34,13 @@ pub(super) struct CondensedSector {
 }
 
 /// Eliminates the inside of the sector `mesh` under the first `loads` of `columns`; the others are functionals that are observed
-/// under them. None of them acts on the body. `progress` is given the share done and may stop the work.
+/// under them. None of them acts on the body. It may take `memory_share` of the memory that is left. `progress` is given the share done and
+/// may stop the work.
 pub(super) fn condense(
     mesh: &Mesh,
     columns: &[LoadColumn],
     loads: usize,
+    memory_share: f64,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
     let nodes = SectorNodes::of(mesh);
@@ -54,7 +55,7 @@ pub(super) fn condense(
     );
     let own = fronts.root.own.len();
     let numbers = fronts.root.numbers.max((own + columns.len()).pow(2));
-    let _promised = Promised::new(size_of::<f64>() * numbers)?;
+    check_memory(size_of::<f64>() * numbers, memory_share)?;
 
     let front = Elimination::<1>::new(&fronts, &|element| mesh.moved_stiffness(element), progress)
         .assembled(&fronts.root)?;
@@ -90,32 +91,18 @@ impl CondensedSector {
     }
 }
 
-/// Bytes of all [`Promised`].
-static PROMISED: Mutex<usize> = Mutex::new(0);
-
-/// Memory for work that goes on, next to that of other threads.
-struct Promised(usize);
-
-impl Promised {
-    /// Refuses work that takes `bytes` where the system says that it has less left: one that grants more ends the program later.
-    fn new(bytes: usize) -> Result<Promised, FiniteElementError> {
-        let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-        let mut promised = PROMISED.lock().unwrap_or_else(PoisonError::into_inner);
-        let left = available(&state).map(|available| available.saturating_sub(*promised));
-        if let Some(left) = left.filter(|left| bytes > *left) {
-            return Err(FiniteElementError::Memory {
+/// Refuses work that takes `bytes` where that is more than this `share` of what the system says that it has left: one that grants more
+/// ends the program later.
+fn check_memory(bytes: usize, share: f64) -> Result<(), FiniteElementError> {
+    let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    match available(&state) {
+        Some(available) if bytes as f64 > share * available as f64 => {
+            Err(FiniteElementError::Memory {
                 needed_gb: 1e-9 * bytes as f64,
-                available_gb: 1e-9 * left as f64,
-            });
+                available_gb: 1e-9 * available as f64,
+            })
         }
-        *promised += bytes;
-        Ok(Promised(bytes))
-    }
-}
-
-impl Drop for Promised {
-    fn drop(&mut self) {
-        *PROMISED.lock().unwrap_or_else(PoisonError::into_inner) -= self.0;
+        _ => Ok(()),
     }
 }
 
@@ -188,11 +175,11 @@ mod tests {
         let near = |found: &DMatrix<f64>, expected: &DMatrix<f64>| {
             assert!((found - expected).amax() < 1e-10 * expected.amax());
         };
-        let all = condense(&mesh, &columns, columns.len(), &|_| true).unwrap();
+        let all = condense(&mesh, &columns, columns.len(), 1.0, &|_| true).unwrap();
         near(&all.sides.lower_triangle(), &sides.lower_triangle());
         near(&all.side_loads, &side_loads);
         near(&all.held_influence, &held);
-        let observed = condense(&mesh, &columns, 2, &|_| true).unwrap();
+        let observed = condense(&mesh, &columns, 2, 1.0, &|_| true).unwrap();
         let held = held.view((2, 0), (3, 2)).clone_owned();
         near(&observed.held_influence, &held);
         near(&observed.side_loads, &side_loads);
@@ -204,19 +191,8 @@ mod tests {
         let state = "MemTotal:       24576000 kB\nMemFree:  1 kB\nMemAvailable:   20480000 kB\n";
         assert_eq!(available(state), Some(20_971_520_000));
         assert_eq!(available(""), None);
-        let _little = Promised::new(1 << 20).unwrap();
-        let error = Promised::new(1 << 60).err().unwrap().to_string();
+        check_memory(1 << 20, 1.0).unwrap();
+        let error = check_memory(1 << 60, 1.0).unwrap_err().to_string();
         assert!(error.contains("1152921504.6 GB"), "{error}");
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn memory_that_is_promised_is_not_promised_again_until_that_work_is_done() {
-        let state = std::fs::read_to_string("/proc/meminfo").unwrap();
-        let most = available(&state).unwrap() / 10 * 6;
-        let first = Promised::new(most).unwrap();
-        assert!(Promised::new(most).is_err());
-        drop(first);
-        Promised::new(most).unwrap();
     }
 }

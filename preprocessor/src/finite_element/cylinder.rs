@@ -251,7 +251,7 @@ impl Basis {
         foundation: f64,
     ) -> Result<DMatrix<f64>, FiniteElementError> {
         let columns = self.columns(mesh);
-        let sector = condense(mesh, &columns, columns.len(), &|_| true)?;
+        let sector = condense(mesh, &columns, columns.len(), 1.0, &|_| true)?;
         let [_, compliance] = self.responses(&sector, sectors, 0)?;
         let whole = compliance
             .try_inverse()
@@ -288,7 +288,7 @@ impl Cut {
     ) -> Result<Cut, FiniteElementError> {
         let own = basis.columns(mesh);
         let columns: Vec<LoadColumn> = [&own[..], &mesh.loads, &own].concat();
-        let sector = condense(mesh, &columns, own.len(), progress)?;
+        let sector = condense(mesh, &columns, own.len(), 1.0, progress)?;
         let [by_flank, compliance] = basis.responses(&sector, teeth, mesh.loads.len())?;
         Ok(Cut {
             by_flank,

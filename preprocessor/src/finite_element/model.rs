@@ -13,11 +13,10 @@ use gearmesh::contact::Segment;
 use gearmesh::gear::Gear;
 use gearmesh::words::rounded;
 use nalgebra::{DMatrix, Matrix2, Vector2};
-use std::fmt;
 use std::ops::RangeInclusive;
 
 /// What a computation is busy with.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Mesh and stiffness matrix of one sector.
     Assembly,
@@ -25,16 +24,6 @@ pub enum Stage {
     Condensation,
     /// Harmonics of the whole ring.
     Ring,
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Stage::Assembly => "stiffness of one tooth with its share of the body",
-            Stage::Condensation => "reducing it to its loaded flank",
-            Stage::Ring => "joining all teeth to the whole gear",
-        })
-    }
 }
 
 /// Progress of a computation: called with the stage and the share of it that is done; returns false to
@@ -50,6 +39,8 @@ pub(super) struct Model {
     pub grid: FlankGrid,
     /// Largest difference of tooth numbers between load and displacement.
     pub reach: usize,
+    /// Share of the memory that is left which it may take.
+    memory_share: f64,
 }
 
 impl Model {
@@ -73,6 +64,7 @@ impl Model {
             section,
             layers,
             reach: settings.reach,
+            memory_share: settings.memory_share,
         })
     }
 
@@ -180,7 +172,7 @@ impl Model {
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
         }
-        condense(mesh, columns, loads, &|share| {
+        condense(mesh, columns, loads, self.memory_share, &|share| {
             progress(Stage::Condensation, share)
         })
     }

@@ -62,9 +62,14 @@ impl PairCompliance {
         cache: Option<&ModelCache>,
         progress: &PairProgress<'_>,
     ) -> Result<PairCompliance, FiniteElementError> {
-        both(&pair.gears, progress, |gear, progress| {
-            FiniteElementCompliance::new(gear, settings, cache, progress)
-        })
+        both(
+            &pair.gears,
+            settings,
+            progress,
+            |gear, settings, progress| {
+                FiniteElementCompliance::new(gear, settings, cache, progress)
+            },
+        )
     }
 }
 
@@ -98,8 +103,8 @@ pub fn pair_root_stress(
         let turned = turned.filter(|_| pair.is_mirrored(flank, i));
         turned.unwrap_or_else(|| pair.gears[i].clone())
     });
-    both(&gears, progress, |gear, progress| {
-        RootStress::new(gear, &settings, cache, progress)
+    both(&gears, &settings, progress, |gear, settings, progress| {
+        RootStress::new(gear, settings, cache, progress)
     })
 }
 
@@ -107,8 +112,9 @@ pub fn pair_root_stress(
 /// and axial position do not matter.
 fn both<T: Send + Sync>(
     gears: &[Gear; 2],
+    settings: &Settings,
     progress: &PairProgress<'_>,
-    model: impl Fn(&Gear, &Progress<'_>) -> Result<(T, Origin), FiniteElementError> + Sync,
+    model: impl Fn(&Gear, &Settings, &Progress<'_>) -> Result<(T, Origin), FiniteElementError> + Sync,
 ) -> Result<PairModels<T>, FiniteElementError> {
     let [first, second] = gears.each_ref().map(|gear| Gear {
         hand: 1.0,
@@ -116,21 +122,33 @@ fn both<T: Send + Sync>(
         ..gear.clone()
     });
     let alike = first == second;
-    let of = |i: usize| model(&gears[i], &|stage, share| progress(i, stage, share));
+    let of = |i: usize, share: f64| {
+        let settings = Settings {
+            memory_share: share * settings.memory_share,
+            ..*settings
+        };
+        model(&gears[i], &settings, &|stage, share| {
+            progress(i, stage, share)
+        })
+    };
     // At once: each leaves threads idle now and then.
-    let (first, second) = rayon::join(|| of(0), || (!alike).then(|| of(1)));
-    // Memory may do for one after the other.
+    let (first, second) = match alike {
+        true => (of(0, 1.0), None),
+        false => {
+            let (first, second) = rayon::join(|| of(0, 0.5), || of(1, 0.5));
+            (first, Some(second))
+        }
+    };
+    // Memory that does not do for both may do for one after the other.
     let again = |i: usize, found| match found {
-        Err(FiniteElementError::Memory { .. }) => of(i),
+        Err(FiniteElementError::Memory { .. }) => of(i, 1.0),
         found => found,
     };
+    let second = second.map(|second| again(1, second)).transpose()?;
     let (first, first_origin) = again(0, first)?;
     let first = Arc::new(first);
     let (second, second_origin) = match second {
-        Some(second) => {
-            let (second, origin) = again(1, second)?;
-            (Arc::new(second), origin)
-        }
+        Some((second, origin)) => (Arc::new(second), origin),
         None => (first.clone(), first_origin.clone()),
     };
     Ok(PairModels {

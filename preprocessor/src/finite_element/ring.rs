@@ -24,8 +24,9 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-/// What is left out of the side loads over their largest product with a vector of random numbers. It is loads on neighbouring nodes
-/// in turn, under which the ring hardly moves: the transmission error changes by less than a ten millionth.
+/// What is left out of the side loads over their largest product with a vector of random numbers: forces that alternate from node to
+/// node, under which the ring hardly moves. On the shipped pairs transmission errors change by 9e-8 at most, contact pressures by 7e-7,
+/// root stresses by 5e-5.
 pub(super) const LEFT_OUT: f64 = 1e-5;
 const BLOCK: usize = 64;
 
@@ -38,7 +39,24 @@ pub(super) fn response(
     solved: &[Solved],
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
-    let sides = Sides::new(sector);
+    response_of(
+        &Sides::new(sector, LEFT_OUT),
+        sector,
+        teeth,
+        sectors,
+        solved,
+        progress,
+    )
+}
+
+fn response_of(
+    sides: &Sides,
+    sector: &CondensedSector,
+    teeth: u32,
+    sectors: RangeInclusive<i32>,
+    solved: &[Solved],
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
     let ring = of_modes(sector, &sides.modes, teeth, solved, progress)?;
     let mut responses = Vec::new();
     for k in sectors {
@@ -67,7 +85,7 @@ struct Sides {
 }
 
 impl Sides {
-    fn new(sector: &CondensedSector) -> Sides {
+    fn new(sector: &CondensedSector, left_out: f64) -> Sides {
         let g = &sector.side_loads;
         let loads = sector.held_influence.ncols();
         let functionals = g.ncols() - sector.held_influence.nrows()..g.ncols();
@@ -79,7 +97,7 @@ impl Sides {
         let unit = of_functionals / of_loads;
         let mut alike = g.clone();
         alike.columns_range_mut(loads..).scale_mut(unit.recip());
-        let (modes, shares) = side_modes(&alike);
+        let (modes, shares) = side_modes(&alike, left_out);
         Sides {
             loads: shares.columns_range(..loads).into_owned(),
             functionals: shares.columns_range(functionals).transpose(),
@@ -105,7 +123,7 @@ impl<'a> Waves<'a> {
         teeth: u32,
         orders: usize,
     ) -> Result<Waves<'a>, FiniteElementError> {
-        let sides = Sides::new(sector);
+        let sides = Sides::new(sector, LEFT_OUT);
         let harmonics = (0..=orders.min(teeth as usize / 2)).into_par_iter();
         let harmonics = harmonics.map(|n| of_harmonic(sector, &sides.modes, n, teeth));
         Ok(Waves {
@@ -260,9 +278,9 @@ fn of_harmonic(
 /// load brings, modes by loads.
 ///
 /// The flank is some way off the sides, so that loads on neighbouring nodes act on them nearly alike (Saint-Venant):
-/// of a thousand flank nodes four hundred are told apart to five digits. Q is found from products of G with random vectors (Halko,
-/// Martinsson, Tropp, SIAM Review 53, 2011, algorithm 4.2), the same ones in every run.
-fn side_modes(g: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+/// a few hundred modes tell a thousand flank nodes apart to five digits. Q is found from products of G with random vectors (Halko,
+/// Martinsson, Tropp, SIAM Review 53, 2011, algorithm 4.2), the same ones in every run; `left_out` as [`LEFT_OUT`].
+fn side_modes(g: &DMatrix<f64>, left_out: f64) -> (DMatrix<f64>, DMatrix<f64>) {
     let (rows, loads) = (g.nrows(), g.ncols());
     let most = rows.min(loads);
     let mut random = Random::new(0x9e37_79b9_7f4a_7c15);
@@ -274,7 +292,7 @@ fn side_modes(g: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
         let mut y = product(g.as_view(), trial.as_view());
         largest = longest(&y).max(largest);
         remove(&modes, &mut y);
-        if longest(&y) <= LEFT_OUT * largest {
+        if longest(&y) <= left_out * largest {
             break;
         }
         let mut new = y.qr().q();
@@ -313,7 +331,7 @@ mod tests {
     use gearmesh::gear::{Body, Gear, GearKind};
 
     #[test]
-    fn harmonics_left_out_change_influences_by_less_than_a_ten_millionth() {
+    fn harmonics_and_side_loads_left_out_change_influences_by_less_than_a_ten_millionth() {
         // A disc, a thin rim on a thin web and a thin ring on a soft foundation.
         let mut disc = samples::gear(GearKind::External, 81, 1.0, 20.0, 0.0);
         disc.face_width = 8e-3;
@@ -334,16 +352,18 @@ mod tests {
             // A few of the nodes tell of all.
             let mesh = model.mesh();
             let columns: Vec<LoadColumn> = mesh.loads.iter().step_by(7).cloned().collect();
-            let sector = condense(&mesh, &columns, columns.len(), &|_| true).unwrap();
-            let of = |solved: &[Solved]| {
-                response(&sector, gear.teeth, 0..=3, solved, &|_| true).unwrap()
+            let sector = condense(&mesh, &columns, columns.len(), 1.0, &|_| true).unwrap();
+            let [sides, all_sides] = [LEFT_OUT, 1e-12].map(|x| Sides::new(&sector, x));
+            assert!(sides.modes.ncols() < all_sides.modes.ncols());
+            let of = |sides: &Sides, solved: &[Solved]| {
+                response_of(sides, &sector, gear.teeth, 0..=3, solved, &|_| true).unwrap()
             };
             let teeth = gear.teeth as usize;
             let (few, every) = (solved(teeth, 3), all(teeth, 3));
             assert!(few.len() < every.len() * 2 / 3);
-            for (few, all) in of(&few).iter().zip(&of(&every)) {
+            for (found, all) in of(&sides, &few).iter().zip(&of(&all_sides, &every)) {
                 let largest = all.amax();
-                let error = (few - all).amax();
+                let error = (found - all).amax();
                 assert!(error < 1e-7 * largest, "{error:e} of {largest:e}");
             }
         }
@@ -424,14 +444,14 @@ mod tests {
             let apart = i as f64 / 300.0 - j as f64 / 200.0;
             1.0 / (1.0 + 4.0 * apart * apart)
         });
-        let (modes, shares) = side_modes(&g);
+        let (modes, shares) = side_modes(&g, LEFT_OUT);
         let few = modes.ncols();
         assert!(few < 100, "{few}");
-        assert!((&modes * shares - g).amax() < LEFT_OUT);
+        assert!((&modes * shares - g).amax() < 1e-5);
         assert!((modes.transpose() * modes - DMatrix::identity(few, few)).amax() < 1e-12);
         // Loads that are all different keep all their modes.
         let g = DMatrix::from_fn(40, 30, |i, j| f64::from(u8::from(i == j)));
-        let (modes, shares) = side_modes(&g);
+        let (modes, shares) = side_modes(&g, LEFT_OUT);
         assert!((modes * shares - g).amax() < 1e-12);
     }
 }

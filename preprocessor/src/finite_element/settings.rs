@@ -94,6 +94,8 @@ pub struct Settings {
     pub plane_strain: bool,
     /// Largest difference of tooth numbers among segments that bear load at the same time.
     pub reach: usize,
+    /// Share of the memory that is left which a model may take; less than 1 beside another.
+    pub memory_share: f64,
 }
 
 impl Settings {
@@ -125,6 +127,7 @@ impl Settings {
             discretization: Discretization::of(refinement),
             plane_strain: false,
             reach,
+            memory_share: 1.0,
         }
     }
 }

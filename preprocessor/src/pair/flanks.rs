@@ -271,7 +271,7 @@ impl Flanks<'_> {
         let [least, largest] = grid.extremes(active, face);
         let is_least = least[2].abs() > largest[2].abs();
         let [roll, z, removal] = if is_least { least } else { largest };
-        let verb = verb(removal);
+        let verb = if removal < 0.0 { "adds" } else { "takes off" };
         ensure!(removal.abs() <= 1.5 * most, field => &shown;
             "{verb} {:.4e} um at roll_mm = {:.3}, z_mm = {:.3}, {limit}", removal.abs() / UM, roll / MM, z / MM;
             "give lines at about equal distances, a grid that covers the whole active profile and the whole face, and smooth \
@@ -344,7 +344,7 @@ const BEYOND: f64 = 0.25;
 const GRID: &str = "give CSV with a header and commas between its columns, roll_mm (or diameter_mm), z_mm and removal_um \
     (normal to the flank), numbers with a decimal point, and one row for every point of a full grid of at least 3 x 3 points on involute and face";
 
-/// The grid in `text`, or what is wrong with it: more than `most` (m) removed or added is more than `limit` says.
+/// The grid in `text`, or what is wrong with it: to remove more than `most` (m) is more than `limit` says.
 fn grid(text: &str, gear: &Gear, most: f64, limit: &str) -> Result<Topography, String> {
     let mut reader = csv_reader(text);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
@@ -385,11 +385,9 @@ fn grid(text: &str, gear: &Gear, most: f64, limit: &str) -> Result<Topography, S
                  {base:.3} mm in diameter, and at z = 0"
             ));
         }
-        if removal.abs() > most {
-            return Err(format!(
-                "line {line}: removal_um = {um} {} {limit}",
-                verb(removal)
-            ));
+        // Added material counts on the active flank alone, which is seen later.
+        if removal > most {
+            return Err(format!("line {line}: removal_um = {um} takes off {limit}"));
         }
         let point = [roll + 0.0, z + 0.0].map(f64::to_bits);
         if rows.insert(point, removal).is_some() {
@@ -421,11 +419,6 @@ fn grid(text: &str, gear: &Gear, most: f64, limit: &str) -> Result<Topography, S
     let removal: Vec<f64> = rows.into_values().collect();
     let removal = removal.chunks(lines[1]).map(<[f64]>::to_vec).collect();
     Topography::new(rolls, zs, removal).map_err(|error| error.to_string())
-}
-
-/// What a flank does that has `removal` at a point.
-fn verb(removal: f64) -> &'static str {
-    if removal < 0.0 { "adds" } else { "takes off" }
 }
 
 /// Largest compliance factor: a tooth that is all but gone.

@@ -125,7 +125,9 @@ impl<const N: usize> Others<N> {
             least(&fitted).min(0.0)
         };
         // Of equal ones the last is the largest.
-        let highest = axes.into_iter().rev().map(|axis| (without(axis), axis));
+        let there = axes.into_iter().zip(&self.bases).rev();
+        let there = there.filter_map(|(axis, basis)| basis.present().then_some(axis));
+        let highest = there.map(|axis| (without(axis), axis));
         let highest = highest.max_by(|a, b| a.0.total_cmp(&b.0));
         highest.map_or(Axis::MeshPosition, |(_, axis)| axis)
     }

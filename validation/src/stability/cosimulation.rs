@@ -73,6 +73,7 @@ pub fn expected_limit(master: Master, zeta: f64) -> Option<f64> {
 
 /// Pairs with shipped tables.
 pub const TABLES: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
+
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     let zetas = if context.quick { &ZETAS[3..4] } else { &ZETAS };
     for (part, master) in [

@@ -69,7 +69,7 @@ impl<'a> Draft<'a> {
     /// Lists the load cases, of which one at most is taken.
     pub(super) fn list_load_cases(&mut self) {
         if let Some(problem) = &self.model.unread_spectrum {
-            let line = format!("load_spectrum is left out, as it has another form: {problem}");
+            let line = format!("load_spectrum: not in the form of REXS: {problem}");
             self.account.add(Head::Left, line);
         }
         let cases = &self.model.load_cases;

@@ -854,7 +854,7 @@ fn load_spectra_of_another_form_are_left_out_with_the_reason_and_geometry_is_tak
         );
         says(
             &imported.account,
-            "left: load_spectrum is left out, as it has another form: invalid type: ",
+            "left: load_spectrum: not in the form of REXS: invalid type: ",
         );
         says(&imported.account, ", expected ");
     }

@@ -112,7 +112,7 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
         (good.lines().take(12).collect::<Vec<_>>().join("\n"), "has 2 x 5 lines; give"),
         (good.replacen("5.5,0,", "-5.5,0,", 1), "line 3: roll_mm = -5.5, z_mm = 0: outside of involute and face"),
         (samples("diameter_mm,z_mm,removal_um", |r, z, um| format!("{},{z},{um}\n", 40.0 + r)), "line 3: diameter_mm = 45.5, z_mm = 0: outside of involute and face, which begin at the base circle, 7"),
-        (good.replacen("5.5,5,", "5.5,5,-999", 1), "line 4: removal_um = -9993.7875 adds more than a twentieth of the normal module, 200 um"),
+        (good.replacen("5.5,5,", "5.5,5,999", 1), "line 4: removal_um = 9993.7875 takes off more than a twentieth of the normal module, 200 um"),
         (samples(HEAD, |r, z, um| format!("{},{z},{um}\n", 1e-3 * r)), "roll_mm runs from 0.006 to 0.023, and the flank from"),
         (samples(HEAD, |r, z, um| if r < 13.0 { format!("{r},{z},{um}\n") } else { String::new() }), "roll_mm runs from 5.5 to 12.5, and the flank from"),
         (samples(HEAD, |r, z, um| format!("{r},{z},{}\n", 1e3 * um)), "a twentieth of the normal module, 200 um"),

@@ -8,7 +8,7 @@ use gearmesh::fmi::resources::{Resources, UnitFile};
 use gearmesh::fmi::variables::{Kind, VARIABLES, index, index_by_name};
 use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
-use gearmesh_preprocessor::package::{self, start_in_words};
+use gearmesh_preprocessor::package::{self, MESH_FREQUENCY, start_in_words};
 use gearmesh_preprocessor::{pair, storage, table};
 use serde_json::{Map, Value, json};
 
@@ -108,7 +108,7 @@ fn fmu(path: &Path) -> Result<(String, Value)> {
             });
             rows! { rows;
                 "communication step" => "{step:?} s; costs {:.2} % rms of the variation of mesh.transmissionError under a load \
-                     applied over 2 ms{steady}", 100.0 * error.run;
+                     applied over 2 ms{steady}, at {MESH_FREQUENCY} tooth pitches a second; more near the resonance of the mesh", 100.0 * error.run;
             }
         }
     }

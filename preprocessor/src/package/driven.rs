@@ -156,8 +156,8 @@ fn table(driven: &Driven, rows: &[[f64; 2]]) -> String {
 const RISE: f64 = 2e-3;
 /// Length of the run, s.
 const DURATION: f64 = 12e-3;
-/// Tooth pitches a second.
-const MESH_FREQUENCY: f64 = 750.0;
+/// Tooth pitches a second at which errors of a step are measured.
+pub const MESH_FREQUENCY: f64 = 750.0;
 /// Steps of the solution that counts as exact, to one step of the FMU.
 const FINER: usize = 20;
 

@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 pub use archive::{Inspection, Library, PackageError, inspect, libraries_beside};
 pub use documentation::start_in_words;
 pub(crate) use driven::Driven;
-pub use driven::{StepError, step_error};
+pub use driven::{MESH_FREQUENCY, StepError, step_error};
 pub use dynamics::{Blank, MeshDynamics};
 pub(crate) use starts::{SEQUENTIAL, TABLE, TEETH};
 pub use starts::{Setting, Starts};

@@ -29,6 +29,9 @@ const Y: [usize; 3] = [0, 1, 3];
 /// from its corners; half a cell beyond the edge, it is 1 again.
 const RADIUS: f64 = 1.75;
 
+/// Way below u = 1 over which third derivatives of g are taken.
+const BELOW_TOP: f64 = 1e-7;
+
 /// Most nodes along one axis that are looked at. On an even axis four can reach a point.
 const MOST: usize = 24;
 
@@ -41,8 +44,8 @@ pub struct Shepard {
     shape: Scatter,
     /// Moment over dh/du, where it is not dW/dM.
     lever: Option<Scatter>,
-    /// Nodes of centre distance, misalignment and displacement (with 0).
-    nodes: [Vec<f64>; 3],
+    /// Nodes of centre distance and misalignment.
+    nodes: [Vec<f64>; 2],
 }
 
 impl Shepard {
@@ -96,28 +99,50 @@ impl Shepard {
             nodes: [
                 axes.center_distance_offset.clone(),
                 axes.misalignment.clone(),
-                with_zero.clone(),
             ],
             u,
             mean,
         })
     }
 
-    /// The `derivative`th derivative of h, times `scatter`, at x = (C, M, u, PMC).
+    /// The `derivative`th derivative of h, times `scatter`, at x = (C, M, u, PMC). Beyond the top load, u = 1, it goes on by its Taylor
+    /// series there, W to the second order and dW/du to the first, so that loads go on linearly. The curvature of g is left out of it:
+    /// that of the nodes' quadratics is rough.
     fn product(&self, scatter: &Scatter, derivative: usize, x: [f64; COORDINATES]) -> Dual {
-        let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &self.nodes[i]));
+        let (w, _) = self.u.weights(Lanes::COMMON, x[U].min(1.0), 2);
+        let h = [&w.value, &w.slope, &w.curvature].map(|weights| w.sum(weights, &self.mean));
+        // The second derivative of the force is not needed.
+        let h: [f64; 3] = from_fn(|i| h.get(derivative + i).copied().unwrap_or_default());
+        if x[U] <= 1.0 {
+            return Dual::along_u(h).times(&self.at(scatter, x));
+        }
+        let [top, below] = [1.0, 1.0 - BELOW_TOP].map(|u| self.at(scatter, [x[0], x[1], u, x[3]]));
+        let beyond = x[U] - 1.0;
+        let bend = if derivative == 0 { h[1] } else { 0.0 };
+        let of_value = [
+            h[0] + (h[1] + 0.5 * h[2] * beyond) * beyond,
+            h[1] + h[2] * beyond,
+            h[2],
+        ];
+        let of_slope = [
+            (h[0] + bend * beyond) * beyond,
+            h[0] + 2.0 * bend * beyond,
+            2.0 * bend,
+        ];
+        let mut out = Dual::along_u(of_value).times(&top.at_fixed_u());
+        out += Dual::along_u(of_slope).times(&top.slope_over_u(&below));
+        out
+    }
+
+    /// `scatter` at x, its displacement within the nodes.
+    fn at(&self, scatter: &Scatter, x: [f64; COORDINATES]) -> Dual {
+        let stops: [[f64; 3]; 2] = from_fn(|i| saturated(x[i], &self.nodes[i]));
         let turn = match self.frame.p.present() {
             true => x[3] - x[3].floor(),
             false => 0.0,
         };
-        let g = scatter.at([stops[0][0], stops[1][0], stops[2][0], turn]);
-        let (w, _) = self.u.weights(Lanes::COMMON, x[U], 2);
-        let h = [&w.value, &w.slope, &w.curvature].map(|weights| w.sum(weights, &self.mean));
-        let mut factor = Dual::constant(h[derivative]);
-        factor.gradient[U] = h[derivative + 1];
-        // The second derivative of the force is not needed.
-        factor.hessian[(U, U)] = h.get(derivative + 2).copied().unwrap_or_default();
-        factor.times(&g.through_stops(&stops))
+        let g = scatter.at([stops[0][0], stops[1][0], x[U], turn]);
+        g.through_stops(&stops)
     }
 
     pub fn evaluate(&self, lanes: Lanes, q: &Query) -> Potential {
@@ -205,6 +230,33 @@ impl Dual {
         }
     }
 
+    /// A function of u alone from its value and two derivatives.
+    fn along_u([value, slope, curvature]: [f64; 3]) -> Dual {
+        let mut of_u = Dual::constant(value);
+        of_u.gradient[U] = slope;
+        of_u.hessian[(U, U)] = curvature;
+        of_u
+    }
+
+    /// This at its u, as a function of the other coordinates.
+    fn at_fixed_u(mut self) -> Dual {
+        self.gradient[U] = 0.0;
+        self.hessian.row_mut(U).fill(0.0);
+        self.hessian.column_mut(U).fill(0.0);
+        self
+    }
+
+    /// The slope of this over u, at its u, as a function of the other coordinates; `below` is this at [`BELOW_TOP`] less, whose second
+    /// derivatives tell the third ones.
+    fn slope_over_u(&self, below: &Dual) -> Dual {
+        let slope = Dual {
+            value: self.gradient[U],
+            gradient: self.hessian.column(U).into_owned(),
+            hessian: (self.hessian - below.hessian) / BELOW_TOP,
+        };
+        slope.at_fixed_u()
+    }
+
     /// A function of this number from its value `f`, slope `d` and second derivative `dd` there.
     fn chain(&self, f: f64, d: f64, dd: f64) -> Dual {
         let g = &self.gradient;
@@ -238,7 +290,7 @@ impl Dual {
     }
 
     /// Derivatives by the coordinates from those by the coordinates that [`saturated`] keeps inside the range.
-    fn through_stops(&self, stops: &[[f64; 3]; 3]) -> Dual {
+    fn through_stops(&self, stops: &[[f64; 3]; 2]) -> Dual {
         let slope = Vector4::from_fn(|i, _| stops.get(i).map_or(1.0, |s| s[1]));
         let bend = Vector4::from_fn(|i, _| stops.get(i).map_or(0.0, |s| self.gradient[i] * s[2]));
         let hessian = self.hessian.component_mul(&(slope * slope.transpose()));

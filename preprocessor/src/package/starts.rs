@@ -398,6 +398,9 @@ mod tests {
             assert_eq!(error(&text), format!("{name} = {value}: {remedy}"));
         }
         assert!(error("damping").contains("name=value"));
+        assert!(error("dampingOnset=1.5").contains(
+            "dampingOnset = 1.5: give a number with a decimal point, 0 or above, 1 or below"
+        ));
         assert!(error("mesh.stiffness=3").contains("no parameter or input mesh.stiffness"));
         assert!(error("dampin=3").contains("dampin; its parameters are stiffnessModel"));
     }

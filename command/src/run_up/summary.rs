@@ -296,7 +296,7 @@ impl<'a> Summary<'a> {
 
     /// Levels of the acceleration over speed and frequency.
     fn campbell(&self, name: &str, history: &History, teeth: u32) -> Figure {
-        let signal = moving(history);
+        let (gear, signal) = moving(history);
         let highest = self.sweep.speeds[1] / TAU * f64::from(teeth) * (HARMONICS as f64 + 0.5);
         let frequencies: Vec<f64> = (1..=FREQUENCIES)
             .map(|k| highest * k as f64 / FREQUENCIES as f64)
@@ -316,7 +316,7 @@ impl<'a> Summary<'a> {
                 .collect::<Vec<_>>()
         });
         let map = Map::on_nodes([&speeds, &khz], values, DEPTH);
-        let label = format!("dB re {:.2e} rad/s2", 10f64.powf(least / 20.0));
+        let label = format!("gear {gear}, dB re {:.2e} rad/s2", 10f64.powf(least / 20.0));
         charts! { format!("Spectra in the {name}"), [SPEED, "frequency (kHz)", &label] => map; }
             .remove(0)
     }
@@ -336,26 +336,29 @@ fn speeds_between(history: &History, holds: impl Fn(usize) -> bool) -> Option<[f
         .reduce(|[low, high], [speed, _]| [low.min(speed), high.max(speed)])
 }
 
-/// The acceleration of gear 2, or of gear 1 where gear 2 turns as imposed.
-fn moving(history: &History) -> &[f64] {
+/// Number and acceleration of gear 2, or of gear 1 where gear 2 turns as imposed.
+fn moving(history: &History) -> (usize, &[f64]) {
     let [one, two] = &history.acceleration;
     if two.iter().all(|acceleration| *acceleration == 0.0) {
-        one
+        (1, one)
     } else {
-        two
+        (2, two)
     }
 }
 
 fn orders(name: &str, history: &History, teeth: u32) -> Figure {
+    let (gear, signal) = moving(history);
     let curves = (1..=HARMONICS)
         .map(|k| {
             let order = f64::from(teeth) * k as f64;
-            let found = history.order(moving(history), order, 1.0).into_iter();
+            let found = history.order(signal, order, 1.0).into_iter();
             Curve::new(
                 format!("order {order}"),
                 found.map(|(speed, amplitude)| (speed / RPM, 20.0 * amplitude.log10())),
             )
         })
         .collect();
-    charts! { format!("Orders in the {name}"), [SPEED, "acceleration (dB re 1 rad/s2)"], Height::Curves(1.0) => curves; }.remove(0)
+    let label = format!("acceleration of gear {gear} (dB re 1 rad/s2)");
+    charts! { format!("Orders in the {name}"), [SPEED, &label], Height::Curves(1.0) => curves; }
+        .remove(0)
 }

@@ -43,6 +43,7 @@ fn a_run_up_is_a_page_with_swings_orders_and_spectra_of_both_ways_and_signals_fo
     ] {
         contains!(html, heading);
     }
+    contains!(html, "acceleration of gear 2 (dB re 1 rad/s2)");
     assert_eq!(folder.count("figures"), 2 * html.matches("<svg").count());
     let array = std::fs::read(format!("{signals}/up.npy")).unwrap();
     let steps = (0.05 / found["step_s"].as_f64().unwrap()).round() as usize;

@@ -45,7 +45,10 @@ struct UnitArgs {
 
 impl UnitArgs {
     /// The libraries that were named, or those in the folder of this program.
+    ///
+    /// Start values given twice are refused before.
     fn libraries(&self) -> Result<Vec<Library>> {
+        Setting::check_once(&self.set)?;
         if self.library.is_empty() {
             return Ok(package::libraries_beside(&std::env::current_exe()?)?);
         }

@@ -8,7 +8,7 @@ use gearmesh::gear::PairGeometry;
 use gearmesh::table::TableFile;
 use gearmesh_preprocessor::package::{self, Blank, Setting};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::run_up::{History, Sweep};
+use gearmesh_preprocessor::run_up::{History, Sweep, decided_by};
 use gearmesh_preprocessor::shaft::BearingShares;
 
 use crate::error::Result;
@@ -129,7 +129,19 @@ impl RunUpCommand {
         Some(["up.npy", "down.npy"].map(|name| folder.join(name)))
     }
 
+    /// Refuses start values that the sweep would overwrite, and those given twice.
+    fn check_settings(&self) -> Result<()> {
+        Setting::check_once(&self.set)?;
+        for setting in &self.set {
+            if let Some(decides) = decided_by(&setting.start().0) {
+                refuse!("--set {setting}: {decides}");
+            }
+        }
+        Ok(())
+    }
+
     pub fn run(self) -> Result<()> {
+        self.check_settings()?;
         let read: Vec<&PathBuf> = [&self.fmu].into_iter().chain(&self.shafts).collect();
         output::check_writable(&self.output, &read)?;
         for (option, folder) in [("--figures", &self.figures), ("--signals", &self.signals)] {

@@ -64,6 +64,18 @@ fn what_cannot_be_swept_is_refused() {
     refused!("run-up {} -o {} --damping-ratio 0", fmu, page; "nothing decays");
     refused!("run-up {} -o {}", PAPER, page; "palermo2013.json");
     assert_eq!(folder.count(""), 1);
+    for (set, reason) in [
+        ("damping=500", "--damping-ratio"),
+        ("effectiveMass=1", "--inertia-kg-m2"),
+        ("coupling=held", "sequential"),
+        ("gear1.angularVelocity[3]=9", "--speed-rpm"),
+    ] {
+        refused!("run-up {fmu} -o {page} --set {set}"; format!("--set {set}: "), reason);
+    }
+    let twice = "--set backlash=0.0001 --set backlash=0.0002";
+    let both = "--set backlash=0.0001 and --set backlash=0.0002: give one";
+    refused!("run-up {fmu} -o {page} {twice}"; both);
+    refused!("pack --pair {PAPER} -o {page} {twice}"; both);
     // What is read or in the way is known before the run.
     let pair = super::solving::on_bearings(&folder);
     refused!("run-up {fmu} -o {pair} --shafts {pair}"; "on-bearings.json, which is read");

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::fmt;
 use std::str::FromStr;
 
 use super::dynamics::{MeshDynamics, Stiffness};
@@ -224,9 +225,31 @@ impl Setting {
         Self { index, value }
     }
 
+    /// Refuses `settings` that give a variable more than once; the error names both values.
+    pub fn check_once(settings: &[Self]) -> Result<(), String> {
+        for (k, later) in settings.iter().enumerate() {
+            if let Some(first) = settings[..k].iter().find(|s| s.index == later.index) {
+                return Err(format!("--set {first} and --set {later}: give one of them"));
+            }
+        }
+        Ok(())
+    }
+
     /// Name of the variable and its start value.
     pub fn start(&self) -> (String, f64) {
         (VARIABLES[self.index].name.to_owned(), self.value)
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let variable = &VARIABLES[self.index];
+        let name = variable.name;
+        match variable.kind {
+            Kind::Boolean => write!(f, "{name}={}", self.value != 0.0),
+            Kind::Enumeration => write!(f, "{name}={}", variable.items[self.value as usize - 1]),
+            Kind::Real => write!(f, "{name}={}", self.value),
+        }
     }
 }
 
@@ -403,5 +426,23 @@ mod tests {
         ));
         assert!(error("mesh.stiffness=3").contains("no parameter or input mesh.stiffness"));
         assert!(error("dampin=3").contains("dampin; its parameters are stiffnessModel"));
+    }
+
+    #[test]
+    fn a_variable_given_twice_is_refused_with_both_values() {
+        let check = |texts: &[&str]| {
+            let settings: Vec<Setting> = texts.iter().map(|t| t.parse().unwrap()).collect();
+            Setting::check_once(&settings)
+        };
+        assert_eq!(check(&["damping=5e2", "backlash=1e-4"]), Ok(()));
+        for twice in [
+            ["damping=500", "damping=600"],
+            ["coupling=held", "coupling=parallel"],
+            ["friction=true", "friction=false"],
+        ] {
+            let [one, two] = twice;
+            let expected = format!("--set {one} and --set {two}: give one of them");
+            assert_eq!(check(&[one, "backlash=1e-4", two]), Err(expected));
+        }
     }
 }

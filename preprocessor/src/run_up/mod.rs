@@ -236,6 +236,24 @@ impl Sweep {
     }
 }
 
+/// What decides the variable `name` in a sweep, whatever its start value is; None where the start value counts.
+pub fn decided_by(name: &str) -> Option<&'static str> {
+    let of = |i: usize| VARIABLES[i].name;
+    if name == of(index::DAMPING) {
+        return Some("the damping ratio decides it; give --damping-ratio");
+    }
+    if name == of(index::EFFECTIVE_MASS) {
+        return Some("the moments of inertia decide it; give --inertia-kg-m2");
+    }
+    if name == of(index::COUPLING) {
+        return Some("the sweep sets it to sequential, as the FMU steps first; leave it out");
+    }
+    let is_rate = [".velocity[", ".angularVelocity["]
+        .iter()
+        .any(|part| name.contains(part));
+    is_rate.then_some("the sweep sets how bodies move; leave it out, and give --speed-rpm")
+}
+
 /// Two discs on an FMU; their state is angle and rate of each beside the mean motion.
 struct Discs {
     driven: Driven,

@@ -47,6 +47,8 @@ pub struct Imported {
     pub grid: FlankGrid,
     /// Largest torque, N m on gear 1.
     pub maximum_torque: f64,
+    /// Smallest torque above 0, N m on gear 1; below it the table follows an assumed onset.
+    pub smallest_torque: f64,
 }
 
 /// Samples stiffer or softer than teeth by less than this factor may be meant, if they are odd.
@@ -102,7 +104,16 @@ impl Imported {
             ));
         }
         let is_odd = !(ODD.recip()..=ODD).contains(&ratio);
-        Ok(is_odd.then(|| format!("{rise}; check units and pair file")))
+        let odd = is_odd.then(|| format!("{rise}; check units and pair file"));
+        let smallest = self.smallest_torque;
+        let assumed = (smallest > nominal_torque).then(|| {
+            format!(
+                "the smallest torque_nm above 0 is {smallest}, above the nominal torque of the pair file, {nominal_torque} N m: below \
+                 it loads follow an assumed onset, not samples; give samples at smaller torques, too"
+            )
+        });
+        let doubts: Vec<String> = odd.into_iter().chain(assumed).collect();
+        Ok((!doubts.is_empty()).then(|| doubts.join("; ")))
     }
 }
 
@@ -161,6 +172,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     Ok(Imported {
         grid,
         maximum_torque,
+        smallest_torque: torques[torques.len() - loads],
     })
 }
 

@@ -148,6 +148,11 @@ fn samples_that_no_simulation_can_use_are_refused_and_odd_ones_noted() {
     // A spring of 0.544 of the usual stiffness, 0.07 x 206 GPa x 25 mm, twenty times as soft.
     let note = doubt(20.0, 100.0, |_| ()).unwrap().unwrap();
     assert!(note.contains("0.027 times the stiffness usual"), "{note:?}");
+    // The smallest torque above 0 is 0.5 N m.
+    assert_eq!(doubt(1.0, 0.5, |_| ()), Ok(None));
+    let note = doubt(1.0, 0.4, |_| ()).unwrap().unwrap();
+    let assumed = "above 0 is 0.5, above the nominal torque of the pair file, 0.4 N m: below it loads follow an assumed onset";
+    assert!(note.contains(assumed), "{note:?}");
     let unit = "times the stiffness usual for these teeth; give the transmission error on the line of action in um, and";
     let no_change: fn(&mut Axes) = |_| ();
     let no_parallel: fn(&mut Axes) = |axes| axes.misalignment = vec![1e-3, 1.5e-3, 2e-3, 3e-3];

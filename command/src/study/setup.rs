@@ -320,6 +320,12 @@ impl Setup {
             .reduce(|a, b| a + b)
     }
 
+    /// The measure of the pair as drawn where it meets all requirements and that is below `value`.
+    pub fn drawn_below(&self, done: &[Sample], value: f64) -> Option<f64> {
+        let drawn = self.measure.of(done, 0)?;
+        (drawn < value && self.missed(done, 0).is_none()).then_some(drawn)
+    }
+
     /// What the optimizer makes least at `point`: from 0 to 1 the measure where the point meets all requirements, from 1 to 2
     /// by how much it misses them, 2 where it was refused. Only the order of points counts (Deb, Computer Methods in Applied
     /// Mechanics and Engineering 186 (2000) 311-338).

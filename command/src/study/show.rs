@@ -190,6 +190,19 @@ impl Summary<'_> {
             best.measure,
             table(&columns, ranking.into_iter().take(BEST))
         );
+        if let Some(drawn) = self.setup.drawn_below(&self.done, best.value) {
+            let more = match plan.is_optimized() {
+                true => "give more --points, or other ranges",
+                false => "give other ranges, or more points in them",
+            };
+            text += &format!(
+                "\nnote: no point tried is better than the drawing ({} as drawn, {} at point {}), and best.json holds that point, not \
+                 the drawing; {more}\n",
+                fixed(drawn, 4),
+                fixed(best.value, 4),
+                best.point
+            );
+        }
         let axes = plan.axes.iter().zip(plan.at(best.point));
         let ends = axes.filter(|(axis, value)| *value == axis.low || *value == axis.high);
         let ends: Vec<String> = ends.map(|(axis, _)| axis.label()).collect();

@@ -227,6 +227,23 @@ fn a_grid_begins_at_zero_of_a_relief_that_the_pair_file_does_not_have() {
 }
 
 #[test]
+fn a_drawing_that_is_better_than_every_point_is_said() {
+    let folder = Folder::new();
+    let out = folder.path("study");
+    let vary = "--vary gear1.tip_relief.amount_um,gear2.tip_relief.amount_um=70..80/2";
+    let study = format!("study {PAPER} --positions 8 -o {out} {vary} {QUICK}");
+    let note = "no point tried is better than the drawing";
+    contains!(succeed!("{study}"), note);
+    // A drawing that violates a requirement is no better one.
+    let best = json(folder.read("study/study.json"))["best"].take();
+    let [drawn, value] = ["as_drawn", "value"].map(|key| number(&best[key]));
+    assert!(drawn < value, "{drawn} {value}");
+    let between = 0.5 * (drawn + value);
+    let shown = succeed!("{study} --require harmonic_1_loa_um>{between}");
+    assert!(!shown.contains(note), "{shown}");
+}
+
+#[test]
 fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with_bands_over_torque()
 {
     let folder = Folder::new();

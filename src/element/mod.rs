@@ -144,8 +144,8 @@ impl Element {
                 return Self::build(pair, parameters, [law.clone(), law]);
             }
             (StiffnessModel::Table | StiffnessModel::Teeth, None) => {
-                let reason = "stiffnessModel = table or teeth, but there is no table: pack one with `gearmesh tables`, or set \
-                              stiffnessModel = constant";
+                let reason = "stiffnessModel = table or teeth, but there is no table: build the FMU with `gearmesh build`, pack tables \
+                              with `gearmesh pack --tables`, or set stiffnessModel = constant";
                 return Err(ElementError::Parameter(reason.into()));
             }
             (StiffnessModel::Table | StiffnessModel::Teeth, Some(table)) => table,

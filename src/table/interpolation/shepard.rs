@@ -29,8 +29,8 @@ const Y: [usize; 3] = [0, 1, 3];
 /// from its corners; half a cell beyond the edge, it is 1 again.
 const RADIUS: f64 = 1.75;
 
-/// Way below u = 1 over which third derivatives of g are taken.
-const BELOW_TOP: f64 = 1e-7;
+/// Steps below u = 1 over which third derivatives of g are taken.
+const BELOW_TOP: f64 = 1e-5;
 
 /// Most nodes along one axis that are looked at. On an even axis four can reach a point.
 const MOST: usize = 24;
@@ -116,7 +116,10 @@ impl Shepard {
         if x[U] <= 1.0 {
             return Dual::along_u(h).times(&self.at(scatter, x));
         }
-        let [top, below] = [1.0, 1.0 - BELOW_TOP].map(|u| self.at(scatter, [x[0], x[1], u, x[3]]));
+        let below = [0.0, 1.0, 2.0].map(|steps| {
+            let u = 1.0 - steps * BELOW_TOP;
+            self.at(scatter, [x[0], x[1], u, x[3]])
+        });
         let beyond = x[U] - 1.0;
         let bend = if derivative == 0 { h[1] } else { 0.0 };
         let of_value = [
@@ -129,8 +132,8 @@ impl Shepard {
             h[0] + 2.0 * bend * beyond,
             2.0 * bend,
         ];
-        let mut out = Dual::along_u(of_value).times(&top.at_fixed_u());
-        out += Dual::along_u(of_slope).times(&top.slope_over_u(&below));
+        let mut out = Dual::along_u(of_value).times(&below[0].at_fixed_u());
+        out += Dual::along_u(of_slope).times(&Dual::slope_over_u(&below));
         out
     }
 
@@ -246,13 +249,14 @@ impl Dual {
         self
     }
 
-    /// The slope of this over u, at its u, as a function of the other coordinates; `below` is this at [`BELOW_TOP`] less, whose second
-    /// derivatives tell the third ones.
-    fn slope_over_u(&self, below: &Dual) -> Dual {
+    /// The slope over u, at a fixed u, as a function of the other coordinates, of what has these values there, [`BELOW_TOP`] and twice that
+    /// below. Their second derivatives tell the third ones, to the second order.
+    fn slope_over_u(below: &[Dual; 3]) -> Dual {
+        let [at, once, twice] = below.map(|dual| dual.hessian);
         let slope = Dual {
-            value: self.gradient[U],
-            gradient: self.hessian.column(U).into_owned(),
-            hessian: (self.hessian - below.hessian) / BELOW_TOP,
+            value: below[0].gradient[U],
+            gradient: below[0].hessian.column(U).into_owned(),
+            hessian: (at * 3.0 - once * 4.0 + twice) / (2.0 * BELOW_TOP),
         };
         slope.at_fixed_u()
     }

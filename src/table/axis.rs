@@ -1,6 +1,6 @@
 //! The coordinates of a grid.
 
-/// A coordinate of the grid, in the order of [`Axes::lengths`].
+/// A coordinate of the grid, in the order of [`Axes::lengths`](super::Axes::lengths).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Axis {
